@@ -1,0 +1,61 @@
+use ndarray::{Array2, ArrayView2};
+
+use crate::Size;
+
+/// A grey image `[[y, x]]`: at least one pixel, every sample finite, by habit in `[0, 1]`.
+///
+/// The range is a habit and not a promise: thresholds on energy assume it, nothing breaks
+/// outside it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LumaImage(Array2<f32>);
+
+/// Why a plane is not an image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NotAnImage {
+    /// The plane has no pixel.
+    #[error("an image needs at least one pixel, and this plane has none")]
+    Empty,
+    /// A sample is NaN or infinite.
+    #[error("the sample at x = {x}, y = {y} is not a finite number")]
+    NotFinite {
+        /// Column of the first such sample.
+        x: usize,
+        /// Row of the first such sample.
+        y: usize,
+    },
+}
+
+impl LumaImage {
+    /// Takes a plane `[[y, x]]` as an image.
+    ///
+    /// # Errors
+    /// [`NotAnImage`] if the plane is empty or a sample is not finite.
+    pub fn new(plane: Array2<f32>) -> Result<Self, NotAnImage> {
+        if plane.is_empty() {
+            return Err(NotAnImage::Empty);
+        }
+        match plane.indexed_iter().find(|(_, luma)| !luma.is_finite()) {
+            Some(((y, x), _)) => Err(NotAnImage::NotFinite { x, y }),
+            // Kernels walk rows as slices, so the plane is kept in row-major order.
+            None => Ok(Self(plane.as_standard_layout().into_owned())),
+        }
+    }
+
+    /// Width and height in pixels.
+    #[must_use]
+    pub fn size(&self) -> Size {
+        Size::of_dim(self.0.dim())
+    }
+
+    /// The samples `[[y, x]]`.
+    #[must_use]
+    pub fn plane(&self) -> ArrayView2<'_, f32> {
+        self.0.view()
+    }
+
+    /// The samples `[[y, x]]`, given away.
+    #[must_use]
+    pub fn into_plane(self) -> Array2<f32> {
+        self.0
+    }
+}
