@@ -95,6 +95,27 @@ impl DisparityField {
         })
     }
 
+    /// Takes planes that the estimator has made, of one size and all finite by construction.
+    pub(crate) fn trusted(
+        dx: Array2<f32>,
+        dy: Array2<f32>,
+        confidence: Array2<f32>,
+        validity: Array2<Validity>,
+    ) -> Self {
+        debug_assert!(
+            dx.iter()
+                .chain(&dy)
+                .chain(&confidence)
+                .all(|v| v.is_finite())
+        );
+        Self {
+            dx,
+            dy,
+            confidence,
+            validity,
+        }
+    }
+
     /// Width and height in pixels.
     #[must_use]
     pub fn size(&self) -> Size {

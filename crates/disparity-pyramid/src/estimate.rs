@@ -1,0 +1,141 @@
+use ndarray::Zip;
+use v1_gabor::{Binocular, GaborParams, Size, V1Responses};
+
+use crate::coarse_to_fine::coarse_to_fine;
+use crate::left_right::check;
+use crate::{DisparityField, MatchParams};
+
+/// Why the responses of two eyes cannot be matched.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum Mismatch {
+    /// The images differ in size.
+    #[error("the left eye saw {left} pixels and the right eye {right}; both need one size")]
+    Sizes {
+        /// Size of the left image.
+        left: Size,
+        /// Size of the right image.
+        right: Size,
+    },
+    /// The responses come from different banks.
+    #[error("the eyes were filtered with different banks: {left:?} and {right:?}")]
+    Banks {
+        /// Parameters of the left eye's bank.
+        left: GaborParams,
+        /// Parameters of the right eye's bank.
+        right: GaborParams,
+    },
+    /// A parameter is not a number, or out of its range.
+    #[error("{name} = {value} cannot be: {need}")]
+    Parameter {
+        /// Name of the field of [`MatchParams`].
+        name: &'static str,
+        /// Its value.
+        value: f32,
+        /// What it must be.
+        need: &'static str,
+    },
+}
+
+/// The vector disparity of every pixel of the left image, from the responses of both eyes.
+///
+/// From the coarsest scale to the finest, the right responses are read at the shifts found so far,
+/// each orientation's phase difference gives a component disparity, and a robust fit over the
+/// orientations gives the shift that remains (equations 2 to 4). Nothing is assumed of the rig: the
+/// search is two-dimensional.
+///
+/// # Errors
+/// [`Mismatch`] if the eyes differ in size or bank, or a parameter cannot be.
+pub fn estimate(
+    eyes: &Binocular<V1Responses>,
+    params: MatchParams,
+) -> Result<DisparityField, Mismatch> {
+    params.check()?;
+    let (left, right) = (&eyes.left, &eyes.right);
+    if left.size() != right.size() {
+        return Err(Mismatch::Sizes {
+            left: left.size(),
+            right: right.size(),
+        });
+    }
+    if left.params() != right.params() {
+        return Err(Mismatch::Banks {
+            left: left.params(),
+            right: right.params(),
+        });
+    }
+    let waves = left.params().wave_vectors();
+    let (start_x, start_y) = params.zero_disparity_px;
+    let mut there = coarse_to_fine(
+        left.scales(),
+        right.scales(),
+        &waves,
+        (start_x, start_y),
+        &params,
+    );
+    if let Some(tolerance_px) = params.left_right_px {
+        let back = coarse_to_fine(
+            right.scales(),
+            left.scales(),
+            &waves,
+            (-start_x, -start_y),
+            &params,
+        );
+        check(&mut there, &back, tolerance_px);
+    }
+    let confidence =
+        Zip::from(&there.residual)
+            .and(&there.validity)
+            .map_collect(|&residual, validity| {
+                if validity.is_valid() {
+                    confidence(residual)
+                } else {
+                    0.0
+                }
+            });
+    Ok(DisparityField::trusted(
+        there.dx,
+        there.dy,
+        confidence,
+        there.validity,
+    ))
+}
+
+/// From what the orientations leave unexplained, in pixels, to a confidence from 0 to 1.
+fn confidence(residual_px: f32) -> f32 {
+    1.0 / (1.0 + (residual_px / 0.2).powi(2))
+}
+
+impl MatchParams {
+    fn check(&self) -> Result<(), Mismatch> {
+        let refuse = |name, value, need| Err(Mismatch::Parameter { name, value, need });
+        if !(self.energy_threshold >= 0.0 && self.energy_threshold.is_finite()) {
+            return refuse(
+                "energy_threshold",
+                self.energy_threshold,
+                "not negative, and finite",
+            );
+        }
+        for shift in [self.zero_disparity_px.0, self.zero_disparity_px.1] {
+            if !shift.is_finite() {
+                return refuse("zero_disparity_px", shift, "finite");
+            }
+        }
+        if self.warps.min(self.finest_warps) == 0 {
+            return refuse("warps", 0.0, "at least 1");
+        }
+        if !(self.vertical_prior >= 0.0 && self.vertical_prior.is_finite()) {
+            return refuse(
+                "vertical_prior",
+                self.vertical_prior,
+                "not negative, and finite",
+            );
+        }
+        if self.least_coherence.is_nan() {
+            return refuse("least_coherence", self.least_coherence, "a number");
+        }
+        match self.left_right_px {
+            Some(tolerance) if !(tolerance > 0.0) => refuse("left_right_px", tolerance, "positive"),
+            _ => Ok(()),
+        }
+    }
+}

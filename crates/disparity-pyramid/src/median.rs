@@ -1,0 +1,153 @@
+use ndarray::{Array2, ArrayView2};
+use pulp::{Arch, Simd, WithSimd};
+use rayon::prelude::*;
+
+use crate::MedianRadius;
+use crate::median_network::{median_of_9, median_of_25};
+
+/// At least the lanes of the widest vector there is; rows are padded to whole vectors.
+const MOST_LANES: usize = 16;
+
+/// The median of the known values around each pixel; a pixel without a known neighbour stays
+/// unknown. Unknown is NaN. Outside the plane nothing is known.
+///
+/// The median of an even number of values is the larger of the two in the middle.
+pub(crate) fn median_of_known(plane: ArrayView2<'_, f32>, radius: MedianRadius) -> Array2<f32> {
+    let reach = match radius {
+        MedianRadius::One => 1,
+        MedianRadius::Two => 2,
+    };
+    let (height, width) = plane.dim();
+    let stride = width.next_multiple_of(MOST_LANES) + 2 * reach;
+    let mut padded = vec![f32::NAN; stride * (height + 2 * reach)];
+    for (row, padded) in plane
+        .rows()
+        .into_iter()
+        .zip(padded.chunks_mut(stride).skip(reach))
+    {
+        for (value, padded) in row.iter().zip(&mut padded[reach..]) {
+            *padded = *value;
+        }
+    }
+    let mut filtered = Array2::zeros((height, width));
+    filtered
+        .as_slice_mut()
+        .expect("a fresh array is contiguous")
+        .par_chunks_mut(width)
+        .enumerate()
+        .for_each(|(y, out)| {
+            let rows = &padded[y * stride..];
+            Arch::new().dispatch(Row {
+                rows,
+                stride,
+                radius,
+                out,
+            });
+        });
+    filtered
+}
+
+/// The medians of one row, several pixels side by side in a vector.
+struct Row<'a> {
+    /// The padded plane from the first row of the windows on.
+    rows: &'a [f32],
+    stride: usize,
+    radius: MedianRadius,
+    out: &'a mut [f32],
+}
+
+impl WithSimd for Row<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self {
+            rows,
+            stride,
+            radius,
+            out,
+        } = self;
+        let load = |start: usize| S::as_simd_f32s(&rows[start..start + S::F32_LANES]).0[0];
+        for (block, out) in out.chunks_mut(S::F32_LANES).enumerate() {
+            let corner = block * S::F32_LANES;
+            let medians = match radius {
+                MedianRadius::One => {
+                    let window = std::array::from_fn(|i| load(corner + i / 3 * stride + i % 3));
+                    median_of_9(simd, known_or_balanced(simd, window))
+                }
+                MedianRadius::Two => {
+                    let window = std::array::from_fn(|i| load(corner + i / 5 * stride + i % 5));
+                    median_of_25(simd, known_or_balanced(simd, window))
+                }
+            };
+            // Where nothing is known, the middle one of the infinities is left.
+            let finite =
+                simd.less_than_f32s(simd.abs_f32s(medians), simd.splat_f32s(f32::INFINITY));
+            let medians = simd.select_f32s(finite, medians, simd.splat_f32s(f32::NAN));
+            simd.partial_store_f32s(out, medians);
+        }
+    }
+}
+
+/// Replaces the unknown values of each lane by plus and minus infinity in turn, so that the median
+/// of all values is the median of the known ones.
+#[inline(always)]
+fn known_or_balanced<S: Simd, const N: usize>(simd: S, mut window: [S::f32s; N]) -> [S::f32s; N] {
+    let mut next = simd.splat_f32s(f32::INFINITY);
+    for values in &mut window {
+        let known = simd.equal_f32s(*values, *values);
+        *values = simd.select_f32s(known, *values, next);
+        next = simd.select_f32s(known, next, simd.neg_f32s(next));
+    }
+    window
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// The same, pixel by pixel, by sorting.
+    fn by_sorting(plane: ArrayView2<'_, f32>, radius: usize) -> Array2<f32> {
+        let (height, width) = plane.dim();
+        Array2::from_shape_fn((height, width), |(y, x)| {
+            let mut known: Vec<f32> = (y.saturating_sub(radius)..(y + radius + 1).min(height))
+                .flat_map(|v| {
+                    (x.saturating_sub(radius)..(x + radius + 1).min(width)).map(move |u| (v, u))
+                })
+                .map(|place| plane[place])
+                .filter(|value| !value.is_nan())
+                .collect();
+            known.sort_by(f32::total_cmp);
+            known.get(known.len() / 2).copied().unwrap_or(f32::NAN)
+        })
+    }
+
+    fn same(a: &Array2<f32>, b: &Array2<f32>) -> bool {
+        a.iter()
+            .zip(b)
+            .all(|(a, b)| a == b || (a.is_nan() && b.is_nan()))
+    }
+
+    proptest! {
+        #[test]
+        fn the_network_equals_sorting(
+            width in 1usize..40, height in 1usize..12, unknown in 0.0f64..1.0, seed: u64,
+        ) {
+            let mut state = seed | 1;
+            let mut random = move || {
+                state ^= state << 13;
+                state ^= state >> 7;
+                state ^= state << 17;
+                (state >> 11) as f64 / (1u64 << 53) as f64
+            };
+            let plane = Array2::from_shape_simple_fn((height, width), || {
+                if random() < unknown { f32::NAN } else { (random() * 9.0).floor() as f32 - 4.0 }
+            });
+            for (radius, pixels) in [(MedianRadius::One, 1), (MedianRadius::Two, 2)] {
+                let fast = median_of_known(plane.view(), radius);
+                prop_assert!(same(&fast, &by_sorting(plane.view(), pixels)));
+            }
+        }
+    }
+}

@@ -1,0 +1,16 @@
+use allocentric_qsr::QualitativeScene;
+use disparity_pyramid::DisparityField;
+use egocentric_depth::{DepthMap, EgocentricScene};
+
+/// What one look gave, level by level.
+#[derive(Clone, Debug)]
+pub struct Percept {
+    /// Vector disparity of every pixel of the left image.
+    pub disparity: DisparityField,
+    /// Depth in metres where the disparity is known.
+    pub depth: DepthMap,
+    /// Where each labelled object is, in metres from the observer.
+    pub egocentric: EgocentricScene,
+    /// The same in symbols, and the relations between the objects.
+    pub qualitative: QualitativeScene,
+}

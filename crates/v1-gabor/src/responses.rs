@@ -1,0 +1,121 @@
+use ndarray::{Array2, Array3};
+use num_complex::Complex32;
+
+use crate::{GaborParams, Size};
+
+/// The complex responses of every orientation at every pixel of one scale.
+///
+/// For an image `exp(j w.x)` the response of a filter with transfer function `H` is
+/// `H(w) exp(j w.x)`: phase grows along the wave vector, and the gain at the peak frequency is 1,
+/// so that a grating of amplitude `A` answers with amplitude `A / 2`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Responses {
+    /// `[[y, x, part]]`: the even (real) parts of all orientations, then the odd (imaginary) ones.
+    ///
+    /// What one pixel says lies in one place (a cache line for eight orientations), because who
+    /// reads a response at a shifted position reads all orientations there.
+    samples: Array3<f32>,
+}
+
+/// The even and odd parts of all orientations at one pixel, by orientation.
+#[derive(Clone, Copy, Debug)]
+pub struct PixelResponses<'a> {
+    /// Real parts: the responses of the cosine filters.
+    pub even: &'a [f32],
+    /// Imaginary parts: the responses of the sine filters.
+    pub odd: &'a [f32],
+}
+
+/// What primary visual cortex knows of an image: [`Responses`] over scales, finest first.
+#[derive(Clone, Debug, PartialEq)]
+pub struct V1Responses {
+    params: GaborParams,
+    scales: Vec<Responses>,
+}
+
+impl Responses {
+    /// Takes samples `[[y, x, even parts then odd parts]]` in row-major order.
+    pub(crate) fn new(samples: Array3<f32>) -> Self {
+        debug_assert!(samples.is_standard_layout() && samples.dim().2.is_multiple_of(2));
+        Self { samples }
+    }
+
+    /// Width and height of this scale in its own pixels.
+    #[inline(always)]
+    #[must_use]
+    pub fn size(&self) -> Size {
+        let (height, width, _) = self.samples.dim();
+        Size { width, height }
+    }
+
+    /// The number of orientations.
+    #[must_use]
+    pub fn orientations(&self) -> usize {
+        self.samples.dim().2 / 2
+    }
+
+    /// The responses of all orientations at one pixel.
+    ///
+    /// # Panics
+    /// If the pixel lies outside this scale.
+    #[inline(always)]
+    #[must_use]
+    pub fn pixel(&self, x: usize, y: usize) -> PixelResponses<'_> {
+        let (height, width, parts) = self.samples.dim();
+        assert!(
+            x < width && y < height,
+            "no pixel ({x}, {y}) in {width} x {height}"
+        );
+        let start = (y * width + x) * parts;
+        let samples = self
+            .samples
+            .as_slice()
+            .expect("responses are kept in row-major order");
+        let (even, odd) = samples[start..start + parts].split_at(parts / 2);
+        PixelResponses { even, odd }
+    }
+
+    /// The response of one orientation at one pixel.
+    ///
+    /// # Panics
+    /// If there is no such orientation or pixel.
+    #[must_use]
+    pub fn at(&self, orientation: usize, x: usize, y: usize) -> Complex32 {
+        let pixel = self.pixel(x, y);
+        Complex32::new(pixel.even[orientation], pixel.odd[orientation])
+    }
+
+    /// All responses of one orientation as a plane `[[y, x]]`.
+    ///
+    /// # Panics
+    /// If there is no such orientation.
+    #[must_use]
+    pub fn plane(&self, orientation: usize) -> Array2<Complex32> {
+        Array2::from_shape_fn(self.size().dim(), |(y, x)| self.at(orientation, x, y))
+    }
+}
+
+impl V1Responses {
+    /// Takes the responses of each scale, finest first.
+    pub(crate) const fn new(params: GaborParams, scales: Vec<Responses>) -> Self {
+        Self { params, scales }
+    }
+
+    /// The parameters of the bank that answered.
+    #[must_use]
+    pub const fn params(&self) -> GaborParams {
+        self.params
+    }
+
+    /// The scales, finest first. There is at least one.
+    #[must_use]
+    pub fn scales(&self) -> &[Responses] {
+        &self.scales
+    }
+
+    /// The size of the image that was answered.
+    #[must_use]
+    pub fn size(&self) -> Size {
+        self.scales[0].size()
+    }
+}
