@@ -9,3 +9,23 @@ pub struct CameraIntrinsics {
     /// Principal point `(cx, cy)` in pixels.
     pub principal_point_px: (f64, f64),
 }
+
+impl CameraIntrinsics {
+    /// Where the line of sight of the pixel `(u, v)` crosses the plane `z = 1` of the camera
+    /// frame: `((u - cx) / fx, (v - cy) / fy)`, without unit.
+    #[must_use]
+    pub fn normalised(&self, (u, v): (f64, f64)) -> (f64, f64) {
+        let (cx, cy) = self.principal_point_px;
+        let (fx, fy) = self.focal_px;
+        ((u - cx) / fx, (v - cy) / fy)
+    }
+
+    /// The pixel `(u, v)` whose line of sight crosses the plane `z = 1` at `(x, y)`: the inverse
+    /// of [`CameraIntrinsics::normalised`].
+    #[must_use]
+    pub fn pixel(&self, (x, y): (f64, f64)) -> (f64, f64) {
+        let (cx, cy) = self.principal_point_px;
+        let (fx, fy) = self.focal_px;
+        (cx + fx * x, cy + fy * y)
+    }
+}

@@ -1,5 +1,3 @@
-use std::collections::BTreeSet;
-
 use ndarray::{Array2, ArrayView2};
 use v1_gabor::Size;
 
@@ -42,9 +40,13 @@ impl LabelImage {
     /// Every object that has at least one pixel, in ascending order.
     #[must_use]
     pub fn labels(&self) -> Vec<Label> {
-        let numbers: BTreeSet<u16> = self.labels.iter().copied().collect();
-        numbers
-            .into_iter()
+        // A table of all numbers there can be costs less than a set asked at every pixel.
+        let mut present = vec![false; usize::from(u16::MAX) + 1];
+        for &number in &self.labels {
+            present[usize::from(number)] = true;
+        }
+        (0..=u16::MAX)
+            .filter(|&number| present[usize::from(number)])
             .filter_map(std::num::NonZeroU16::new)
             .map(Label)
             .collect()

@@ -1,6 +1,8 @@
 use v1_gabor::Binocular;
 
-use crate::CameraIntrinsics;
+use crate::eye::Eye;
+use crate::rotation::Rotation;
+use crate::{CameraIntrinsics, Head, Observer, Position};
 
 /// Two eyes on one baseline.
 ///
@@ -21,10 +23,10 @@ pub enum BadRig {
     /// Both eyes sit in one point, or nowhere.
     #[error("a baseline of {0} m gives no parallax; it must be positive and finite")]
     Baseline(f64),
-    /// A focal length is not a positive number, or a principal point is not a number.
+    /// A focal length is not positive and finite.
     #[error("a camera with focal length ({0}, {1}) px forms no image")]
     Focal(f64, f64),
-    /// The principal point is not a number.
+    /// A principal point is not finite.
     #[error("a principal point at ({0}, {1}) px is nowhere")]
     PrincipalPoint(f64, f64),
     /// The lines of sight part in front of the head.
@@ -77,7 +79,7 @@ impl StereoRig {
             }
         }
         for pan in [pan_rad.left, pan_rad.right] {
-            if !(pan.abs() < std::f64::consts::FRAC_PI_2) {
+            if pan.is_nan() || pan.abs() >= std::f64::consts::FRAC_PI_2 {
                 return Err(BadRig::Angle(pan));
             }
         }
@@ -98,7 +100,7 @@ impl StereoRig {
     /// # Errors
     /// [`BadRig::Angle`] if the head would look straight up, straight down or backwards.
     pub fn tilted(self, tilt_rad: f64) -> Result<Self, BadRig> {
-        if !(tilt_rad.abs() < std::f64::consts::FRAC_PI_2) {
+        if tilt_rad.is_nan() || tilt_rad.abs() >= std::f64::consts::FRAC_PI_2 {
             return Err(BadRig::Angle(tilt_rad));
         }
         Ok(Self { tilt_rad, ..self })
@@ -132,5 +134,66 @@ impl StereoRig {
     #[must_use]
     pub fn vergence_rad(&self) -> f64 {
         self.pan_rad.left - self.pan_rad.right
+    }
+
+    /// The two eyes in their places: half a baseline to either side of the head's origin, each
+    /// turned about the vertical by its pan.
+    #[must_use]
+    pub fn eyes(&self) -> Binocular<Eye> {
+        let half_m = self.baseline_m / 2.0;
+        let eye = |intrinsics, pan_rad, x_m| Eye {
+            intrinsics,
+            rotation: Rotation::from_vector([0.0, pan_rad, 0.0]),
+            centre: Position::new(x_m, 0.0, 0.0),
+        };
+        Binocular {
+            left: eye(self.intrinsics.left, self.pan_rad.left, -half_m),
+            right: eye(self.intrinsics.right, self.pan_rad.right, half_m),
+        }
+    }
+
+    /// The pixels `(u, v)` at which a point appears to the two eyes; `None` if it lies beside or
+    /// behind either. The pixels may lie outside the images.
+    ///
+    /// Triangulating `dx = u_right - u_left` at the left pixel gives the point's depth back.
+    #[must_use]
+    pub fn project(&self, point: Position<Head>) -> Option<Binocular<(f64, f64)>> {
+        let eyes = self.eyes();
+        Some(Binocular {
+            left: eyes.left.project(point)?,
+            right: eyes.right.project(point)?,
+        })
+    }
+
+    /// The point at a depth along the line of sight of a pixel `(x, y)` of the left image.
+    ///
+    /// `depth_m` is the z of the head frame, as a [`DepthMap`](crate::DepthMap) holds it. `None`
+    /// if that line of sight does not point forward, as no pixel's does for which a depth was
+    /// triangulated with this rig.
+    #[must_use]
+    pub fn back_project(&self, pixel: (f64, f64), depth_m: f64) -> Option<Position<Head>> {
+        let ray = self.eyes().left.ray(pixel);
+        let [x, y, z] = ray.direction;
+        (z > 0.0).then(|| {
+            let stretch = depth_m / z;
+            Position::new(ray.origin.x_m + stretch * x, stretch * y, depth_m)
+        })
+    }
+
+    /// The same point seen from the level observer: the head's tilt undone.
+    #[must_use]
+    pub fn to_observer(&self, point: Position<Head>) -> Position<Observer> {
+        Position::from_array(self.head_to_observer().apply(point.to_array()))
+    }
+
+    /// The same point seen from the tilted head: the inverse of [`StereoRig::to_observer`].
+    #[must_use]
+    pub fn to_head(&self, point: Position<Observer>) -> Position<Head> {
+        Position::from_array(self.head_to_observer().apply_inverse(point.to_array()))
+    }
+
+    /// The turn from head to observer: looking up takes the head's forward axis toward -y.
+    pub(crate) fn head_to_observer(&self) -> Rotation {
+        Rotation::from_vector([self.tilt_rad, 0.0, 0.0])
     }
 }
