@@ -134,7 +134,9 @@ impl MatchParams {
             return refuse("least_coherence", self.least_coherence, "a number");
         }
         match self.left_right_px {
-            Some(tolerance) if !(tolerance > 0.0) => refuse("left_right_px", tolerance, "positive"),
+            Some(tolerance) if tolerance.is_nan() || tolerance <= 0.0 => {
+                refuse("left_right_px", tolerance, "positive")
+            }
             _ => Ok(()),
         }
     }

@@ -18,10 +18,13 @@
 //!
 //! // A textured wall, 20 px nearer than infinity for eyes 0.1 m apart with f = 200 px: 1 m away.
 //! let size = Size { width: 160, height: 120 };
-//! let texture = |x: f32, y: f32| (0.9 * x + 0.4 * y).sin() + (0.21 * x).sin() + (0.13 * y).cos();
+//! let texture = |x: f32, y: f32| -> f32 {
+//!     let wave = |i: f32| (0.15 + 0.12 * i) * (x * (2.4 * i).cos() + y * (2.4 * i).sin());
+//!     (0..16u8).map(|i| wave(f32::from(i)).sin()).sum()
+//! };
 //! let image = |shift: f32| {
 //!     LumaImage::new(Array2::from_shape_fn(size.dim(), |(y, x)| {
-//!         0.5 + 0.1 * texture(x as f32 + shift, y as f32)
+//!         0.5 + 0.05 * texture(x as f32 + shift, y as f32)
 //!     }))
 //! };
 //! let eyes = Binocular { left: image(0.0)?, right: image(20.0)? };

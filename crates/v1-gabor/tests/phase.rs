@@ -16,9 +16,11 @@ fn respond(luma: impl Fn(f32, f32) -> f32) -> V1Responses {
         scales: 1,
         ..GaborParams::default()
     };
-    let bank = FilterBank::plan(params, SIZE).unwrap();
+    let bank = FilterBank::plan(params, SIZE).expect("one scale fits");
     let plane = Array2::from_shape_fn(SIZE.dim(), |(y, x)| luma(x as f32, y as f32));
-    bank.respond(&LumaImage::new(plane).unwrap()).unwrap()
+    let image = LumaImage::new(plane).expect("the luma is finite");
+    bank.respond(&image)
+        .expect("the image has the planned size")
 }
 
 fn wrapped(angle: f32) -> f32 {

@@ -17,7 +17,7 @@ fn banks() -> impl Iterator<Item = FilterBank> {
             scales: 1,
             ..GaborParams::default()
         };
-        FilterBank::plan(params, SIZE).unwrap()
+        FilterBank::plan(params, SIZE).expect("these orientations make a bank")
     })
 }
 

@@ -25,7 +25,7 @@ fn noise(size: Size, seed: u64) -> LumaImage {
             .wrapping_add(1_442_695_040_888_963_407);
         (state >> 40) as f32 / (1u64 << 24) as f32
     });
-    LumaImage::new(plane).unwrap()
+    LumaImage::new(plane).expect("noise is finite")
 }
 
 proptest! {

@@ -1,4 +1,6 @@
 //! A texture known at every place, so that the right eye's image is exact at any shift.
+use std::f64::consts::TAU;
+
 use ndarray::Array2;
 use v1_gabor::{Binocular, FilterBank, GaborParams, LumaImage, Size, V1Responses};
 
@@ -20,7 +22,7 @@ impl Texture {
         }
         let waves = (0..90).map(|_| {
             let frequency = 0.05 * 48f64.powf(random());
-            let (direction, phase) = (random() * 6.283, random() * 6.283);
+            let (direction, phase) = (random() * TAU, random() * TAU);
             let amplitude = 0.02 / frequency.sqrt();
             (
                 frequency * direction.cos(),
@@ -47,10 +49,12 @@ pub(crate) fn respond(
     right: impl Fn(f64, f64) -> f32,
 ) -> Binocular<V1Responses> {
     let params = GaborParams::default().fitted_to(size);
-    let bank = FilterBank::plan(params, size).unwrap();
+    let bank = FilterBank::plan(params, size).expect("the parameters are fitted to the size");
     let draw = |luma: &dyn Fn(f64, f64) -> f32| {
         let plane = Array2::from_shape_fn(size.dim(), |(y, x)| luma(x as f64, y as f64));
-        bank.respond(&LumaImage::new(plane).unwrap()).unwrap()
+        let image = LumaImage::new(plane).expect("textures are finite");
+        bank.respond(&image)
+            .expect("the image has the planned size")
     };
     Binocular {
         left: draw(&left),
