@@ -57,6 +57,7 @@ mod median_network;
 mod phase;
 mod refine;
 mod robust_fit;
+mod tile;
 mod validity;
 mod warp;
 

@@ -3,16 +3,9 @@ use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 use v1_gabor::{Responses, WaveVector};
 
-use crate::phase::{angle, wrap};
-use crate::robust_fit::{Fit, robust_fit};
+use crate::tile::{MOST_ORIENTATIONS, TILE, Tile};
 use crate::warp::Warp;
 use crate::{MatchParams, Validity};
-
-/// Pixels that one visit of the kernel treats together, side by side in vector registers.
-pub(crate) const TILE: usize = 16;
-
-/// Most orientations of a bank; what the tile's buffers hold.
-pub(crate) const MOST_ORIENTATIONS: usize = 32;
 
 /// Shifts of one scale, and what the last warp thought of each.
 #[derive(Debug)]
@@ -71,10 +64,9 @@ pub(crate) fn refine(
         .for_each_init(
             Tile::new,
             |tile, (y, (dx, dy, validity, residual, parent_dy))| {
-                let (warp, eyes) = (&warp, eyes);
-                Arch::new().dispatch(Row {
+                let row = Row {
                     eyes,
-                    warp,
+                    warp: &warp,
                     params,
                     tile,
                     y,
@@ -83,13 +75,18 @@ pub(crate) fn refine(
                     validity,
                     residual,
                     parent_dy,
-                });
+                };
+                // Loops over orientations have a known length: the paper's number, or the most.
+                if eyes.waves.len() <= 8 {
+                    Arch::new().dispatch(InLanes::<8>(row));
+                } else {
+                    Arch::new().dispatch(InLanes::<MOST_ORIENTATIONS>(row));
+                }
             },
         );
 }
 
-/// One row's work, compiled once for each vector width and run at the machine's widest. Products
-/// and sums stay separate at every width, so the bits do too.
+/// One row's work.
 struct Row<'a> {
     eyes: &'a Eyes<'a>,
     warp: &'a Warp<'a>,
@@ -103,12 +100,18 @@ struct Row<'a> {
     parent_dy: &'a [f32],
 }
 
-impl NullaryFnOnce for Row<'_> {
+/// One row's work with the orientations in `LANES` lanes.
+///
+/// It is compiled once for each vector width and run at the machine's widest. Products and sums
+/// stay separate at every width, so the bits do too.
+struct InLanes<'a, const LANES: usize>(Row<'a>);
+
+impl<const LANES: usize> NullaryFnOnce for InLanes<'_, LANES> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        let Self {
+        let Row {
             eyes,
             warp,
             params,
@@ -119,12 +122,11 @@ impl NullaryFnOnce for Row<'_> {
             validity,
             residual,
             parent_dy,
-        } = self;
+        } = self.0;
         for start in (0..dx.len()).step_by(TILE) {
             let end = (start + TILE).min(dx.len());
             let (dx, dy) = (&mut dx[start..end], &mut dy[start..end]);
-            tile.load(eyes, warp, (start, y), dx, dy, params.energy_threshold);
-            tile.look(eyes.waves);
+            tile.read::<LANES>(eyes, warp, (start, y), (dx, dy), params.energy_threshold);
             let fit = tile.fit(eyes.waves, &parent_dy[start..end], dy, params);
             for i in 0..end - start {
                 let verdict = tile.verdict(i, &fit, params, (start + i, y), (dx[i], dy[i]), warp);
@@ -136,156 +138,6 @@ impl NullaryFnOnce for Row<'_> {
                 }
             }
         }
-    }
-}
-
-/// A few neighbouring pixels of one row: everything the fit needs, by orientation and pixel.
-pub(crate) struct Tile {
-    /// Left response times the conjugate of the warped right one; later its phase.
-    product_even: [[f32; TILE]; MOST_ORIENTATIONS],
-    product_odd: [[f32; TILE]; MOST_ORIENTATIONS],
-    /// Mean of the two eyes' energies; zero where one of them is below the threshold.
-    energy: [[f32; TILE]; MOST_ORIENTATIONS],
-    pub(crate) phase: [[f32; TILE]; MOST_ORIENTATIONS],
-    pub(crate) weight: [[f32; TILE]; MOST_ORIENTATIONS],
-    /// How far the right place lies beyond its pixel.
-    beyond_x: [f32; TILE],
-    beyond_y: [f32; TILE],
-    in_view: [bool; TILE],
-    heard: [u8; TILE],
-}
-
-impl Tile {
-    fn new() -> Self {
-        Self {
-            product_even: [[0.0; TILE]; MOST_ORIENTATIONS],
-            product_odd: [[0.0; TILE]; MOST_ORIENTATIONS],
-            energy: [[0.0; TILE]; MOST_ORIENTATIONS],
-            phase: [[0.0; TILE]; MOST_ORIENTATIONS],
-            weight: [[0.0; TILE]; MOST_ORIENTATIONS],
-            beyond_x: [0.0; TILE],
-            beyond_y: [0.0; TILE],
-            in_view: [false; TILE],
-            heard: [0; TILE],
-        }
-    }
-
-    /// Reads both eyes' responses for each pixel and keeps their products.
-    #[inline(always)]
-    fn load(
-        &mut self,
-        eyes: &Eyes<'_>,
-        warp: &Warp<'_>,
-        (start, y): (usize, usize),
-        dx: &[f32],
-        dy: &[f32],
-        threshold: f32,
-    ) {
-        let orientations = eyes.waves.len();
-        let mut even = [0.0f32; MOST_ORIENTATIONS];
-        let mut odd = [0.0f32; MOST_ORIENTATIONS];
-        let (even, odd) = (&mut even[..orientations], &mut odd[..orientations]);
-        for i in 0..TILE {
-            let place = dx
-                .get(i)
-                .and_then(|dx| warp.place((start + i) as f32 + dx, y as f32 + dy[i]));
-            self.in_view[i] = place.is_some();
-            self.heard[i] = 0;
-            let Some(place) = place else {
-                for q in 0..orientations {
-                    self.product_even[q][i] = 0.0;
-                    self.product_odd[q][i] = 0.0;
-                    self.energy[q][i] = 0.0;
-                }
-                continue;
-            };
-            self.beyond_x[i] = place.beyond_x;
-            self.beyond_y[i] = place.beyond_y;
-            warp.read(place, even, odd);
-            let left = eyes.left.pixel(start + i, y);
-            let (left_even, left_odd) = (&left.even[..orientations], &left.odd[..orientations]);
-            for q in 0..orientations {
-                let (le, lo, re, ro) = (left_even[q], left_odd[q], even[q], odd[q]);
-                self.product_even[q][i] = le * re + lo * ro;
-                self.product_odd[q][i] = lo * re - le * ro;
-                let (left, right) = (le * le + lo * lo, re * re + ro * ro);
-                let audible = left.min(right) > threshold;
-                self.energy[q][i] = if audible { 0.5 * (left + right) } else { 0.0 };
-                self.heard[i] += u8::from(audible);
-            }
-        }
-    }
-
-    /// Phases and weights of all orientations.
-    ///
-    /// The phase is that of the left response over the warped right one, which [`Warp`] left turned
-    /// back by `k.beyond`; a product wraps by itself, so no two angles are ever subtracted. The
-    /// weight is the balance of the amplitudes, `|L R| / ((|L|^2 + |R|^2) / 2)`: one where both
-    /// eyes see the same contrast, small where one of them sees something else.
-    #[inline(always)]
-    fn look(&mut self, waves: &[WaveVector]) {
-        for (q, wave) in waves.iter().enumerate() {
-            let (even, odd) = (&self.product_even[q], &self.product_odd[q]);
-            let energy = &self.energy[q];
-            let (phase, weight) = (&mut self.phase[q], &mut self.weight[q]);
-            for i in 0..TILE {
-                let turn = wave.x * self.beyond_x[i] + wave.y * self.beyond_y[i];
-                phase[i] = wrap(angle(odd[i], even[i]) - turn);
-                let amplitudes = (even[i] * even[i] + odd[i] * odd[i]).sqrt();
-                weight[i] = if energy[i] > 0.0 {
-                    amplitudes / energy[i]
-                } else {
-                    0.0
-                };
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn fit(
-        &self,
-        waves: &[WaveVector],
-        parent_dy: &[f32],
-        dy: &[f32],
-        params: &MatchParams,
-    ) -> Fit {
-        let mut pull = [0.0f32; TILE];
-        for (pull, (parent, dy)) in pull.iter_mut().zip(parent_dy.iter().zip(dy)) {
-            *pull = parent - dy;
-        }
-        robust_fit(&self.phase, &self.weight, waves, &pull, params)
-    }
-
-    /// Whether the fit at a pixel is an answer.
-    #[inline(always)]
-    fn verdict(
-        &self,
-        i: usize,
-        fit: &Fit,
-        params: &MatchParams,
-        (x, y): (usize, usize),
-        (dx, dy): (f32, f32),
-        warp: &Warp<'_>,
-    ) -> Validity {
-        // A residual of half the carrier's period or more is another period's.
-        const MOST_STEP_PX: f32 = std::f32::consts::PI;
-        if !self.in_view[i] {
-            return Validity::OutOfView;
-        }
-        if self.heard[i] < 3 {
-            return Validity::NoEnergy;
-        }
-        let step = (fit.ux[i] * fit.ux[i] + fit.uy[i] * fit.uy[i]).sqrt();
-        // Written so that a fit without a solution, NaN, is refused.
-        let agreed = fit.coherence[i] > params.least_coherence && step < MOST_STEP_PX;
-        if !agreed {
-            return Validity::Incoherent;
-        }
-        let (x, y) = (x as f32 + dx + fit.ux[i], y as f32 + dy + fit.uy[i]);
-        if warp.place(x, y).is_none() {
-            return Validity::OutOfView;
-        }
-        Validity::Valid
     }
 }
 

@@ -2,7 +2,7 @@ use v1_gabor::WaveVector;
 
 use crate::MatchParams;
 use crate::phase::wrap;
-use crate::refine::{MOST_ORIENTATIONS, TILE};
+use crate::tile::{MOST_ORIENTATIONS, TILE};
 
 /// Residual phase at which an orientation's weight has fallen to half, in radians.
 const CAUCHY_RAD: f32 = 0.4;

@@ -1,5 +1,7 @@
 use v1_gabor::{Responses, WaveVector};
 
+use crate::tile::MOST_ORIENTATIONS;
+
 /// Reads the responses of one eye between pixels, all orientations at once, by demodulated
 /// interpolation.
 ///
@@ -13,14 +15,20 @@ use v1_gabor::{Responses, WaveVector};
 #[derive(Debug)]
 pub(crate) struct Warp<'a> {
     responses: &'a Responses,
-    /// `exp(-j k_q.offset)` of the neighbours to the right, below, and both: cosines, then sines.
+    /// The wave vectors by component, by orientation.
+    wave_x: Lanes,
+    wave_y: Lanes,
+    /// `exp(-j k_q.offset)` of the neighbours to the right, below, and both.
     turns: [Turns; 3],
 }
 
+/// One number for each orientation, and zeros beyond the last.
+type Lanes = [f32; MOST_ORIENTATIONS];
+
 #[derive(Debug)]
 struct Turns {
-    cos: Vec<f32>,
-    sin: Vec<f32>,
+    cos: Lanes,
+    sin: Lanes,
 }
 
 /// Where a shifted pixel falls: the pixel above and left of it, and how far beyond.
@@ -29,21 +37,30 @@ pub(crate) struct Place {
     x: usize,
     y: usize,
     /// From `x`, in `[0, 1]`.
-    pub(crate) beyond_x: f32,
+    beyond_x: f32,
     /// From `y`, in `[0, 1]`.
-    pub(crate) beyond_y: f32,
+    beyond_y: f32,
 }
 
 impl<'a> Warp<'a> {
     pub(crate) fn new(responses: &'a Responses, waves: &[WaveVector]) -> Self {
-        let turns = [(1.0, 0.0), (0.0, 1.0), (1.0, 1.0)].map(|(x, y)| {
-            let angles = waves.iter().map(|k| -(k.x * x + k.y * y));
-            Turns {
-                cos: angles.clone().map(f32::cos).collect(),
-                sin: angles.map(f32::sin).collect(),
+        let by_orientation = |number: &dyn Fn(&WaveVector) -> f32| {
+            let mut numbers = [0.0; MOST_ORIENTATIONS];
+            for (out, wave) in numbers.iter_mut().zip(waves) {
+                *out = number(wave);
             }
+            numbers
+        };
+        let turns = [(1.0, 0.0), (0.0, 1.0), (1.0, 1.0)].map(|(x, y)| Turns {
+            cos: by_orientation(&|k| (k.x * x + k.y * y).cos()),
+            sin: by_orientation(&|k| -(k.x * x + k.y * y).sin()),
         });
-        Self { responses, turns }
+        Self {
+            responses,
+            wave_x: by_orientation(&|k| k.x),
+            wave_y: by_orientation(&|k| k.y),
+            turns,
+        }
     }
 
     /// The place `(x, y)` between pixels; `None` outside the image.
@@ -63,9 +80,10 @@ impl<'a> Warp<'a> {
         })
     }
 
-    /// Writes the responses at a place, turned back by `k.beyond`, by orientation.
+    /// The even and odd parts at a place, turned back by [`turn`](Self::turn), by orientation.
+    /// `LANES` is at least the number of orientations; lanes beyond it hold zeros.
     #[inline(always)]
-    pub(crate) fn read(&self, place: Place, even: &mut [f32], odd: &mut [f32]) {
+    pub(crate) fn read<const LANES: usize>(&self, place: Place) -> ([f32; LANES], [f32; LANES]) {
         let Place {
             x,
             y,
@@ -74,13 +92,12 @@ impl<'a> Warp<'a> {
         } = place;
         let size = self.responses.size();
         let (right, below) = ((x + 1).min(size.width - 1), (y + 1).min(size.height - 1));
-        let first = self.responses.pixel(x, y);
+        let pixel = self.responses.pixel(x, y);
+        let (mut even, mut odd) = (lanes::<LANES>(pixel.even), lanes::<LANES>(pixel.odd));
         let weight = (1.0 - fx) * (1.0 - fy);
-        let orientations = even.len();
-        let (first_even, first_odd) = (&first.even[..orientations], &first.odd[..orientations]);
-        for q in 0..orientations {
-            even[q] = weight * first_even[q];
-            odd[q] = weight * first_odd[q];
+        for q in 0..LANES {
+            even[q] *= weight;
+            odd[q] *= weight;
         }
         let neighbours = [
             (right, y, fx * (1.0 - fy)),
@@ -89,14 +106,35 @@ impl<'a> Warp<'a> {
         ];
         for ((x, y, weight), turns) in neighbours.into_iter().zip(&self.turns) {
             let pixel = self.responses.pixel(x, y);
-            let (re, im) = (&pixel.even[..orientations], &pixel.odd[..orientations]);
-            let (cos, sin) = (&turns.cos[..orientations], &turns.sin[..orientations]);
-            for q in 0..orientations {
-                even[q] += weight * (re[q] * cos[q] - im[q] * sin[q]);
-                odd[q] += weight * (re[q] * sin[q] + im[q] * cos[q]);
+            let (re, im) = (lanes::<LANES>(pixel.even), lanes::<LANES>(pixel.odd));
+            for q in 0..LANES {
+                let (cos, sin) = (turns.cos[q], turns.sin[q]);
+                even[q] += weight * (re[q] * cos - im[q] * sin);
+                odd[q] += weight * (re[q] * sin + im[q] * cos);
             }
         }
+        (even, odd)
     }
+
+    /// The turn `k_q.beyond` that [`read`](Self::read) leaves out, in radians, by orientation.
+    #[inline(always)]
+    pub(crate) fn turn<const LANES: usize>(&self, place: Place) -> [f32; LANES] {
+        let mut turn = [0.0; LANES];
+        for q in 0..LANES {
+            turn[q] = self.wave_x[q] * place.beyond_x + self.wave_y[q] * place.beyond_y;
+        }
+        turn
+    }
+}
+
+/// Numbers by orientation in an array of known length, zeros behind them.
+#[inline(always)]
+pub(crate) fn lanes<const LANES: usize>(numbers: &[f32]) -> [f32; LANES] {
+    numbers.try_into().unwrap_or_else(|_| {
+        let mut lanes = [0.0; LANES];
+        lanes[..numbers.len()].copy_from_slice(numbers);
+        lanes
+    })
 }
 
 #[cfg(test)]
@@ -132,9 +170,8 @@ mod tests {
             let moved = draw((fx, fy));
             let warp = Warp::new(&still.scales()[0], &waves);
             let place = warp.place(19.0 + fx, 21.0 + fy).unwrap();
-            let (mut even, mut odd) = ([0.0; 8], [0.0; 8]);
-            warp.read(place, &mut even, &mut odd);
-            let turn = kx * place.beyond_x + ky * place.beyond_y;
+            let (even, odd) = warp.read::<8>(place);
+            let turn = warp.turn::<8>(place)[q];
             let read = Complex32::new(even[q], odd[q]) * Complex32::cis(turn);
             let expected = moved.scales()[0].at(q, 19, 21);
             prop_assert!((read - expected).norm() < 0.02 * expected.norm(), "{read} {expected}");
