@@ -1,1 +1,61 @@
-fn main() {}
+//! The `dorsal` command: depth and relations from an image pair.
+//!
+//! The levels do the work; here are the people's side of it: arguments, files, pictures, clocks.
+mod arguments;
+mod console;
+mod demo;
+mod demo_arguments;
+mod demo_scene;
+mod label_picture;
+mod look;
+mod look_arguments;
+mod look_files;
+mod look_record;
+mod motorcycle;
+mod object_table;
+mod objects;
+mod outputs;
+mod plan;
+mod reference_system;
+mod relation_table;
+mod room;
+mod scene_record;
+mod sight;
+mod tables;
+mod tables_arguments;
+mod text_table;
+mod threads;
+mod times;
+mod true_object;
+mod verdict;
+
+use std::io::{self, Write as _};
+use std::process::ExitCode;
+
+use crate::arguments::{Arguments, Command};
+
+fn main() -> ExitCode {
+    let arguments = Arguments::of_process();
+    let mut out = io::stdout().lock();
+    let done = match &arguments.command {
+        Command::Look(look) => look::look(look, &mut out),
+        Command::Demo(demo) => demo::demo(demo, &mut out),
+        Command::Tables(tables) => tables::tables(tables, &mut out),
+    }
+    .and_then(|()| Ok(out.flush()?));
+    match done {
+        Err(error) if !is_broken_pipe(&error) => {
+            // If standard error is closed too, the exit code still says it.
+            let _ = writeln!(io::stderr(), "dorsal: {error:#}");
+            ExitCode::FAILURE
+        }
+        _ => ExitCode::SUCCESS,
+    }
+}
+
+/// Whether whoever reads standard output has had enough, as `head` has: no failure of ours.
+fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    error
+        .downcast_ref::<io::Error>()
+        .is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
+}

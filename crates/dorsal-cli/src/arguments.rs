@@ -1,0 +1,67 @@
+use clap::{CommandFactory as _, Parser, Subcommand, error::ErrorKind};
+
+use crate::demo_arguments::DemoArguments;
+use crate::look_arguments::LookArguments;
+use crate::tables_arguments::TablesArguments;
+
+/// What the command is asked to do.
+#[derive(Debug, Parser)]
+#[command(
+    name = "dorsal",
+    version,
+    about = "From what two eyes see to depth a robot can act on and relations it can reason with",
+    long_about = "From what two eyes see to depth a robot can act on and relations it can reason \
+                  with.\n\nA stereo pair becomes a disparity field; with a rig it becomes depth in \
+                  metres; with labels it becomes objects with places and relations.",
+    after_help = EXAMPLES,
+    subcommand_required = true,
+    arg_required_else_help = true
+)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Looks at a stereo pair and writes what is seen
+    Look(LookArguments),
+    /// Looks at a real pair and a rendered room, and compares with the truth
+    Demo(DemoArguments),
+    /// Prints a composition table of the qualitative calculus
+    Tables(TablesArguments),
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  dorsal demo --out out
+      Nothing else is needed: a real pair and a rendered room come with the command.
+  dorsal look left.png right.png --out out
+      Disparity alone.
+  dorsal look left.png right.png --out out --rig rig.toml --labels labels.toml
+      Depth in metres, and the relations of the labelled objects.
+  dorsal tables --system drs1 --case 1
+      Table 2 of the paper.
+
+Exit codes: 0 success, 1 failure (a broken file, a bound that does not hold), 2 wrong arguments.";
+
+impl Arguments {
+    /// The arguments of this process; wrong ones end it with a message and exit code 2, as
+    /// `--help` and `--version` end it with 0.
+    pub(crate) fn of_process() -> Self {
+        let arguments = Self::parse();
+        if let Command::Look(look) = &arguments.command
+            && let Some(conflict) = look.conflict()
+        {
+            let mut command = Self::command();
+            // The subcommand gives the usage line that belongs to the message.
+            command.build();
+            let error = match command.find_subcommand_mut("look") {
+                Some(look) => look.error(ErrorKind::ArgumentConflict, conflict),
+                None => command.error(ErrorKind::ArgumentConflict, conflict),
+            };
+            error.exit();
+        }
+        arguments
+    }
+}

@@ -1,0 +1,36 @@
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::threads::Threads;
+
+/// What `dorsal demo` is asked to do.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct DemoArguments {
+    /// Folder for the results: motorcycle and room are made in it
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+
+    #[command(flatten)]
+    pub(crate) threads: Threads,
+
+    /// Say nothing on standard error: no progress, no notes
+    #[arg(long)]
+    pub(crate) quiet: bool,
+}
+
+const EXAMPLES: &str = "\
+First a real pair (Middlebury 2014 Motorcycle, quarter size), then a rendered room: each is looked
+at, and depths and relations are printed next to the true ones. Each folder gets the files of
+`dorsal look`, and with them
+  left.png, right.png             the pair
+  rig.toml                        the cameras
+  label_image.png, names.toml     the objects, as --labels and --names take them
+  labels.png                      the objects in colours, over the left picture
+  true_disparity.pfm, .png        the truth, in the colours of disparity.png
+
+The command fails with exit code 1 if a depth or a relation is not what it promises.
+
+Example:
+  dorsal demo --out out";

@@ -1,0 +1,140 @@
+use std::io::Write;
+use std::path::Path;
+
+use dorsal::allocentric_qsr::QualifyParams;
+use dorsal::disparity_pyramid::MatchParams;
+use dorsal::egocentric_depth::{LocateParams, StereoRig};
+use dorsal::v1_gabor::{Binocular, GaborParams, Size};
+use stereo_formats::{middlebury_calib, picture, rig_toml};
+
+use crate::console::Console;
+use crate::look_arguments::LookArguments;
+use crate::look_files::look_files;
+use crate::look_record::{Inputs, LookRecord};
+use crate::object_table::object_table;
+use crate::objects::Objects;
+use crate::outputs::ensure_folder;
+use crate::plan::Plan;
+use crate::reference_system::reference_system;
+use crate::relation_table::relation_table;
+use crate::times::Times;
+
+/// Below this part of valid pixels a disparity field deserves a word.
+const SPARSE: f64 = 0.2;
+
+/// `dorsal look`: looks at a pair of files and writes what is seen.
+pub(crate) fn look(arguments: &LookArguments, out: &mut dyn Write) -> anyhow::Result<()> {
+    arguments.threads.install()?;
+    ensure_folder(&arguments.out)?;
+    let console = Console::new(arguments.quiet);
+    let mut times = Times::default();
+
+    console.step("reading the pictures");
+    let eyes = times.measure("reading", || {
+        picture::read_pair(Binocular {
+            left: &arguments.left,
+            right: &arguments.right,
+        })
+    })?;
+    let plan = plan(arguments, eyes.left.size())?;
+    if plan.gabor.scales < arguments.scales {
+        console.note(&format!(
+            "pictures of {} pixels carry {} scales, not {}",
+            eyes.left.size(),
+            plan.gabor.scales,
+            arguments.scales
+        ));
+    }
+    if let Some(reach) = plan.reach_sentence() {
+        console.note(&reach);
+    }
+
+    let sight = plan.look(&eyes, &mut times, &console)?;
+    let density = sight.disparity.density();
+    if density < SPARSE {
+        console.note(&format!(
+            "only {:.1} % of the pixels are valid; are the pictures a pair, left before right, \
+             and does the search (--scales, --zero-disparity) reach their disparities?",
+            100.0 * density
+        ));
+    }
+
+    console.step("writing");
+    let record = LookRecord::new(&plan, &sight, &times, inputs(arguments), arguments.dense);
+    let median_px = record.median_disparity_px();
+    let files = look_files(&plan, &sight, &eyes, record);
+    let names = files.names();
+    times.measure("writing", || files.write(&arguments.out))?;
+    console.clear();
+
+    if let (Some(scene), Some(rig), Some(objects)) = (&sight.scene, &plan.rig, &plan.objects) {
+        writeln!(out, "{}", object_table(scene, rig, &objects.names))?;
+        writeln!(out, "{}", relation_table(&scene.qualitative))?;
+    }
+    writeln!(out, "size      {} pixels", eyes.left.size())?;
+    writeln!(out, "valid     {:.1} %", 100.0 * density)?;
+    if let Some(median_px) = median_px {
+        writeln!(out, "disparity {median_px:.2} px in the median")?;
+    }
+    writeln!(out, "time      {}", times.sentence())?;
+    writeln!(
+        out,
+        "written   {} in {}",
+        names.join(", "),
+        arguments.out.display()
+    )?;
+    Ok(())
+}
+
+fn plan(arguments: &LookArguments, size: Size) -> anyhow::Result<Plan> {
+    let rig = arguments.rig.as_deref().map(read_rig).transpose()?;
+    let objects = arguments
+        .labels
+        .as_deref()
+        .map(|labels| Objects::read(labels, arguments.names.as_deref(), size))
+        .transpose()?;
+    let gabor = GaborParams {
+        scales: arguments.scales,
+        ..GaborParams::default()
+    };
+    let steps = if arguments.published {
+        MatchParams::as_published()
+    } else {
+        MatchParams::default()
+    };
+    Ok(Plan {
+        gabor: gabor.fitted_to(size),
+        matching: MatchParams {
+            energy_threshold: arguments.energy_threshold,
+            // The command line speaks the sign of files.
+            zero_disparity_px: (0.0 - arguments.zero_disparity, 0.0),
+            ..steps
+        },
+        rig,
+        objects,
+        locating: LocateParams::default(),
+        reference: reference_system(&arguments.system)?,
+        qualifying: QualifyParams::default(),
+    })
+}
+
+/// Reads a rig of our own, or a `calib.txt` of Middlebury.
+fn read_rig(path: &Path) -> anyhow::Result<StereoRig> {
+    let calib = path.extension().is_some_and(|extension| extension == "txt");
+    Ok(if calib {
+        middlebury_calib::read(path)?.rig
+    } else {
+        rig_toml::read(path)?
+    })
+}
+
+fn inputs(arguments: &LookArguments) -> Inputs {
+    let text = |path: &Path| path.display().to_string();
+    Inputs {
+        left: text(&arguments.left),
+        right: text(&arguments.right),
+        rig: arguments.rig.as_deref().map(text),
+        labels: arguments.labels.as_deref().map(text),
+        names: arguments.names.as_deref().map(text),
+    }
+}

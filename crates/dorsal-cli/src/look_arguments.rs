@@ -1,0 +1,142 @@
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use dorsal::v1_gabor::GaborParams;
+
+use crate::threads::Threads;
+
+/// What `dorsal look` is asked to do.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct LookArguments {
+    /// What the left eye sees, the reference: PNG, PNM, JPEG or TIFF
+    pub(crate) left: PathBuf,
+
+    /// What the right eye sees, of the same size
+    pub(crate) right: PathBuf,
+
+    /// Folder for the results; it is made if need be, and files of the same name are replaced
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+
+    /// How disparity is estimated
+    #[arg(long, value_enum, default_value = "vector")]
+    pub(crate) estimator: Estimator,
+
+    /// Write the best guess where the disparity is unknown; depth and objects never rest on
+    /// guesses
+    #[arg(long)]
+    pub(crate) dense: bool,
+
+    /// The two cameras: rig.toml, or Middlebury's calib.txt; gives depth in metres
+    #[arg(long, value_name = "RIG.toml")]
+    pub(crate) rig: Option<PathBuf>,
+
+    /// The objects in the left image: a PNG whose samples are labels, or a TOML of outlines;
+    /// needs --rig
+    #[arg(long, value_name = "LABELS", requires = "rig")]
+    pub(crate) labels: Option<PathBuf>,
+
+    /// The names of the labels of a PNG: a TOML table "names" with lines such as 1 = "cup"; a TOML
+    /// of outlines has its own
+    #[arg(long, value_name = "NAMES.toml", requires = "labels")]
+    pub(crate) names: Option<PathBuf>,
+
+    /// The distance classes: drs1, drs2, robot-150, robot-120 or a TOML file
+    #[arg(long, value_name = "SYSTEM", default_value = "robot-120")]
+    pub(crate) system: String,
+
+    /// Scales of the pyramid, fewer where the image is too small: N find shifts of up to
+    /// 0.75 * 2^N px
+    #[arg(long, value_name = "N", default_value_t = GaborParams::default().scales, value_parser = scales)]
+    pub(crate) scales: usize,
+
+    /// Least energy an orientation needs to be heard; 1e-7 hears weaker textures
+    #[arg(long, value_name = "X", default_value = "1e-6", value_parser = energy)]
+    pub(crate) energy_threshold: f32,
+
+    /// Disparity from which the search starts, x_left - x_right in pixels
+    #[arg(long, value_name = "PX", default_value_t = 0.0, value_parser = finite, allow_negative_numbers = true)]
+    pub(crate) zero_disparity: f32,
+
+    /// Match by the paper's own steps, without the robust fit and the look back
+    #[arg(long)]
+    pub(crate) published: bool,
+
+    #[command(flatten)]
+    pub(crate) threads: Threads,
+
+    /// Say nothing on standard error: no progress, no notes
+    #[arg(long)]
+    pub(crate) quiet: bool,
+}
+
+/// How disparity is estimated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Estimator {
+    /// The paper's vector pyramid: dx and dy, nothing assumed of the rig
+    Vector,
+}
+
+const EXAMPLES: &str = "\
+Files written:
+  disparity.pfm   d = x_left - x_right in pixels, nearer is larger; +inf unknown
+  disparity.flo   the vectors (dx, dy), right minus left; 1e10 unknown
+  disparity.png   d in colours over a scale bar; grey unknown
+  confidence.pfm  0 to 1
+  validity.png    255 valid, 200 inconsistent, 150 occluded, 100 out of view, 50 incoherent,
+                  0 no energy
+  look.json       parameters, densities, times
+  with --rig      depth.pfm (metres), depth.png (colours), cloud.ply
+  with --labels   scene.json: objects, egocentric and allocentric relations
+
+Examples:
+  dorsal look left.png right.png --out out --dense
+  dorsal look left.png right.png --out out --rig rig.toml --scales 7 --zero-disparity 40
+  dorsal look left.png right.png --out out --rig rig.toml --labels labels.png --names names.toml
+
+A rig.toml reads:
+  baseline_m = 0.27
+  vergence_deg = 15.0
+  [left]
+  focal_px = 887.0
+  principal_point_px = [511.5, 383.5]";
+
+impl LookArguments {
+    /// What no single argument has wrong, but two of them together.
+    pub(crate) fn conflict(&self) -> Option<String> {
+        let outlines = self.labels.as_deref().is_some_and(is_toml);
+        (outlines && self.names.is_some()).then(|| {
+            "a TOML file of outlines given with --labels names its objects itself; \
+             leave --names out"
+                .to_owned()
+        })
+    }
+}
+
+/// Whether a label file is a TOML of outlines rather than a PNG.
+pub(crate) fn is_toml(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
+}
+
+fn scales(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(scales @ 1..=32) => Ok(scales),
+        _ => Err("a whole number from 1 to 32 is needed".to_owned()),
+    }
+}
+
+fn energy(text: &str) -> Result<f32, String> {
+    match text.parse() {
+        Ok(energy) if (0.0..=f32::MAX).contains(&energy) => Ok(energy),
+        _ => Err("a finite number that is not negative is needed".to_owned()),
+    }
+}
+
+fn finite(text: &str) -> Result<f32, String> {
+    text.parse()
+        .ok()
+        .filter(|number: &f32| number.is_finite())
+        .ok_or_else(|| "a finite number of pixels is needed".to_owned())
+}

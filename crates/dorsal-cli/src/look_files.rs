@@ -1,0 +1,65 @@
+use dorsal::egocentric_depth::point_cloud;
+use dorsal::v1_gabor::Binocular;
+use ndarray::ArrayView2;
+use stereo_formats::colour::{self, ColourRange};
+use stereo_formats::picture::{self, Picture};
+use stereo_formats::ply::{self, CloudPoint};
+use stereo_formats::{NotAPng, file_sign, flo, pfm, scale_bar, validity_png};
+
+use crate::look_record::LookRecord;
+use crate::outputs::Outputs;
+use crate::plan::Plan;
+use crate::scene_record::SceneRecord;
+use crate::sight::Sight;
+
+/// The files that a look leaves.
+pub(crate) fn look_files<'a>(
+    plan: &'a Plan,
+    sight: &'a Sight,
+    eyes: &'a Binocular<Picture>,
+    mut record: LookRecord,
+) -> Outputs<'a> {
+    let mut files = Outputs::default();
+    let (field, dense) = (&sight.disparity, record.dense);
+    files.add("disparity.pfm", move || pfm::encode_disparity(field, dense));
+    files.add("disparity.flo", move || flo::encode_disparity(field, dense));
+    files.add("confidence.pfm", || pfm::encode(field.confidence()));
+    files.add("validity.png", || validity_png::encode(field.validity()));
+    files.add("disparity.png", move || {
+        let d = file_sign::d_of_field(field, dense);
+        coloured_png(d.view(), ColourRange::covering(d.view()))
+    });
+    if let (Some(depth), Some(rig)) = (&sight.depth, &plan.rig) {
+        files.add("depth.pfm", || pfm::encode(depth.metres()));
+        files.add("depth.png", || {
+            coloured_png(depth.metres(), ColourRange::covering(depth.metres()))
+        });
+        files.add("cloud.ply", || {
+            let colours = eyes.left.rgb();
+            let points = point_cloud(depth, rig).map(|point| CloudPoint {
+                position_m: point.position.to_array().map(|metres| metres as f32),
+                rgb: colours[[point.pixel.1, point.pixel.0]],
+            });
+            let points: Vec<CloudPoint> = points.collect();
+            anyhow::Ok(ply::encode(&points))
+        });
+    }
+    if let (Some(scene), Some(rig), Some(objects)) = (&sight.scene, &plan.rig, &plan.objects) {
+        files.add("scene.json", move || {
+            serde_json::to_vec_pretty(&SceneRecord::new(scene, rig, &objects.names))
+        });
+    }
+    record.files = files.names();
+    record.files.push("look.json");
+    files.add("look.json", move || serde_json::to_vec_pretty(&record));
+    files
+}
+
+/// A plane in colours over its scale bar, as a PNG.
+pub(crate) fn coloured_png(
+    plane: ArrayView2<'_, f32>,
+    range: ColourRange,
+) -> Result<Vec<u8>, NotAPng> {
+    let painted = colour::paint(plane, range);
+    picture::encode_rgb(scale_bar::beneath(painted.view(), range).view())
+}

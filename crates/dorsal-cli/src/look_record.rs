@@ -1,0 +1,202 @@
+use dorsal::disparity_pyramid::{DisparityField, MatchParams, MedianRadius, Validity};
+use dorsal::v1_gabor::GaborParams;
+use serde::Serialize;
+use stereo_formats::file_sign;
+
+use crate::plan::Plan;
+use crate::sight::Sight;
+use crate::times::Times;
+
+/// What `look.json` says of a look: schema `dorsal-look/1`.
+#[derive(Debug, Serialize)]
+pub(crate) struct LookRecord {
+    schema: &'static str,
+    version: &'static str,
+    inputs: Inputs,
+    width: usize,
+    height: usize,
+    estimator: &'static str,
+    pub(crate) dense: bool,
+    gabor: Filters,
+    matching: Matching,
+    reference: Option<String>,
+    /// The part of the pixels that are valid.
+    density: f64,
+    /// Pixels by validity.
+    pixels: Counts,
+    /// Disparities of valid pixels, in the sign of files.
+    disparity_px: Option<Spread>,
+    /// Depths that the scales reach with the rig; no farthest one is no limit.
+    reach_m: Option<Span>,
+    threads: usize,
+    time_ms: Times,
+    /// The files beside this one.
+    pub(crate) files: Vec<&'static str>,
+}
+
+/// The files that were looked at.
+#[derive(Debug, Serialize)]
+pub(crate) struct Inputs {
+    pub(crate) left: String,
+    pub(crate) right: String,
+    pub(crate) rig: Option<String>,
+    pub(crate) labels: Option<String>,
+    pub(crate) names: Option<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct Filters {
+    orientations: usize,
+    scales: usize,
+    peak_frequency: f32,
+    bandwidth_octaves: f32,
+    taps: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct Matching {
+    energy_threshold: f32,
+    /// In the sign of files; the vertical shift is 0.
+    zero_disparity_px: f32,
+    warps: usize,
+    finest_warps: usize,
+    robust_rounds: usize,
+    medians: usize,
+    median_width_px: usize,
+    least_coherence: f32,
+    vertical_prior: f32,
+    left_right_px: Option<f32>,
+}
+
+#[derive(Debug, Serialize)]
+struct Counts {
+    valid: usize,
+    no_energy: usize,
+    incoherent: usize,
+    out_of_view: usize,
+    occluded: usize,
+    inconsistent: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct Spread {
+    least: f32,
+    median: f32,
+    most: f32,
+}
+
+#[derive(Debug, Serialize)]
+struct Span {
+    nearest: f64,
+    farthest: Option<f64>,
+}
+
+impl LookRecord {
+    pub(crate) fn new(
+        plan: &Plan,
+        sight: &Sight,
+        times: &Times,
+        inputs: Inputs,
+        dense: bool,
+    ) -> Self {
+        let field = &sight.disparity;
+        Self {
+            schema: "dorsal-look/1",
+            version: env!("CARGO_PKG_VERSION"),
+            inputs,
+            width: field.size().width,
+            height: field.size().height,
+            estimator: "vector",
+            dense,
+            gabor: Filters::of(&plan.gabor),
+            matching: Matching::of(&plan.matching),
+            reference: sight
+                .scene
+                .is_some()
+                .then(|| plan.reference.name().to_owned()),
+            density: field.density(),
+            pixels: Counts::of(field),
+            disparity_px: spread(field),
+            reach_m: plan.reach().map(|reach| Span {
+                nearest: reach.nearest_m,
+                farthest: Some(reach.farthest_m).filter(|farthest_m| farthest_m.is_finite()),
+            }),
+            threads: rayon::current_num_threads(),
+            time_ms: times.clone(),
+            files: Vec::new(),
+        }
+    }
+
+    /// The median disparity of the valid pixels in the sign of files; `None` if there are none.
+    pub(crate) fn median_disparity_px(&self) -> Option<f32> {
+        self.disparity_px.as_ref().map(|spread| spread.median)
+    }
+}
+
+impl Filters {
+    fn of(params: &GaborParams) -> Self {
+        Self {
+            orientations: params.orientations,
+            scales: params.scales,
+            peak_frequency: params.peak_frequency,
+            bandwidth_octaves: params.bandwidth,
+            taps: params.taps(),
+        }
+    }
+}
+
+impl Matching {
+    fn of(params: &MatchParams) -> Self {
+        Self {
+            energy_threshold: params.energy_threshold,
+            zero_disparity_px: 0.0 - params.zero_disparity_px.0,
+            warps: params.warps,
+            finest_warps: params.finest_warps,
+            robust_rounds: params.robust_rounds,
+            medians: params.medians,
+            median_width_px: match params.median_radius {
+                MedianRadius::One => 3,
+                MedianRadius::Two => 5,
+            },
+            least_coherence: params.least_coherence,
+            vertical_prior: params.vertical_prior,
+            left_right_px: params.left_right_px,
+        }
+    }
+}
+
+impl Counts {
+    fn of(field: &DisparityField) -> Self {
+        let validity = field.validity();
+        let count = |wanted| {
+            validity
+                .iter()
+                .filter(|&&validity| validity == wanted)
+                .count()
+        };
+        Self {
+            valid: count(Validity::Valid),
+            no_energy: count(Validity::NoEnergy),
+            incoherent: count(Validity::Incoherent),
+            out_of_view: count(Validity::OutOfView),
+            occluded: count(Validity::Occluded),
+            inconsistent: count(Validity::Inconsistent),
+        }
+    }
+}
+
+/// The disparities of the valid pixels in the sign of files; `None` if there are none.
+fn spread(field: &DisparityField) -> Option<Spread> {
+    let d = file_sign::d_of_field(field, false);
+    let mut known: Vec<f32> = d.into_iter().filter(|d| d.is_finite()).collect();
+    if known.is_empty() {
+        return None;
+    }
+    let middle = known.len() / 2;
+    let (_, median, _) = known.select_nth_unstable_by(middle, f32::total_cmp);
+    Some(Spread {
+        median: *median,
+        least: known.iter().copied().fold(f32::INFINITY, f32::min),
+        most: known.iter().copied().fold(f32::NEG_INFINITY, f32::max),
+    })
+}

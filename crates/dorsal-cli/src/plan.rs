@@ -1,0 +1,111 @@
+use anyhow::Context as _;
+use dorsal::allocentric_qsr::{DepthReference, Inference, Mode, QualifyParams, QualitativeScene};
+use dorsal::disparity_pyramid::{MatchParams, estimate};
+use dorsal::egocentric_depth::{LocateParams, Reach, StereoRig, locate, triangulate};
+use dorsal::sightings;
+use dorsal::v1_gabor::{Binocular, FilterBank, GaborParams};
+use stereo_formats::picture::Picture;
+
+use crate::console::Console;
+use crate::objects::Objects;
+use crate::sight::{Scene, Sight};
+use crate::times::Times;
+
+/// How to look: the parameters of every level, and what is known of the eyes and the objects.
+#[derive(Debug)]
+pub(crate) struct Plan {
+    pub(crate) gabor: GaborParams,
+    pub(crate) matching: MatchParams,
+    pub(crate) rig: Option<StereoRig>,
+    pub(crate) objects: Option<Objects>,
+    pub(crate) locating: LocateParams,
+    pub(crate) reference: DepthReference,
+    pub(crate) qualifying: QualifyParams,
+}
+
+impl Plan {
+    /// Looks once, as far as the plan goes: disparity, with a rig depth, with objects their places
+    /// and relations.
+    ///
+    /// This is `Dorsal::look` step by step, because a clock runs beside each level and because a
+    /// pair without a rig has no depth.
+    pub(crate) fn look(
+        &self,
+        eyes: &Binocular<Picture>,
+        times: &mut Times,
+        console: &Console,
+    ) -> anyhow::Result<Sight> {
+        console.step("filtering what the eyes see");
+        let responses = times.measure("responses", || {
+            let bank = FilterBank::plan(self.gabor, eyes.left.size())?;
+            let responses = eyes.as_ref().try_map(|eye| bank.respond(eye.luma()))?;
+            anyhow::Ok(responses)
+        });
+        let responses = responses.context("the pictures cannot be filtered")?;
+
+        console.step("matching the eyes");
+        let disparity = times
+            .measure("disparity", || estimate(&responses, self.matching))
+            .context("the eyes cannot be matched")?;
+        drop(responses);
+
+        console.step("triangulating");
+        let depth = self
+            .rig
+            .map(|rig| times.measure("depth", || triangulate(&disparity, &rig)));
+
+        console.step("relating the objects");
+        let scene = match (&self.rig, &depth, &self.objects) {
+            (Some(rig), Some(depth), Some(objects)) => Some(times.measure("relations", || {
+                let egocentric = locate(depth, &objects.labels, rig, &self.locating)?;
+                let qualitative = QualitativeScene::qualify_with(
+                    sightings(&egocentric, &objects.names),
+                    &self.reference,
+                    self.qualifying,
+                )?;
+                anyhow::Ok(Scene {
+                    published: Inference::of_scene(&qualitative, Mode::Published),
+                    egocentric,
+                    qualitative,
+                })
+            })),
+            _ => None,
+        };
+        Ok(Sight {
+            disparity,
+            depth,
+            scene: scene.transpose().context("the objects cannot be placed")?,
+        })
+    }
+
+    /// The depths that the scales can tell with the rig; `None` without a rig, or if there are
+    /// none.
+    pub(crate) fn reach(&self) -> Option<Reach> {
+        let scales = u32::try_from(self.gabor.scales).ok()?;
+        let start_px = f64::from(self.matching.zero_disparity_px.0);
+        self.rig?.reach(scales, start_px)
+    }
+
+    /// What the scales reach, in a sentence; `None` without a rig.
+    pub(crate) fn reach_sentence(&self) -> Option<String> {
+        self.rig?;
+        let scales = self.gabor.scales;
+        let start_px = 0.0 - self.matching.zero_disparity_px.0;
+        let search = format!("{scales} scales around a disparity of {start_px:.1} px");
+        Some(match self.reach() {
+            Some(Reach {
+                nearest_m,
+                farthest_m,
+            }) if farthest_m.is_finite() => {
+                format!("{search} reach depths from {nearest_m:.2} to {farthest_m:.2} m")
+            }
+            Some(Reach { nearest_m, .. }) => {
+                format!("{search} reach every depth beyond {nearest_m:.2} m")
+            }
+            None => format!(
+                "{search} reach no depth in front of this rig; \
+                 choose --zero-disparity and --scales for the distances that matter"
+            ),
+        })
+    }
+}

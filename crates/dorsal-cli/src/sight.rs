@@ -1,0 +1,20 @@
+use dorsal::allocentric_qsr::{Inference, QualitativeScene};
+use dorsal::disparity_pyramid::DisparityField;
+use dorsal::egocentric_depth::{DepthMap, EgocentricScene};
+
+/// What one look gave, as far as its plan went.
+#[derive(Debug)]
+pub(crate) struct Sight {
+    pub(crate) disparity: DisparityField,
+    pub(crate) depth: Option<DepthMap>,
+    pub(crate) scene: Option<Scene>,
+}
+
+/// The objects of a look, in metres and in symbols.
+#[derive(Debug)]
+pub(crate) struct Scene {
+    pub(crate) egocentric: EgocentricScene,
+    pub(crate) qualitative: QualitativeScene,
+    /// What the paper's composition infers from the places alone.
+    pub(crate) published: Inference,
+}

@@ -1,0 +1,214 @@
+//! A look at a synthetic pair leaves files that read back and agree with each other.
+mod command;
+
+use std::fs;
+
+use command::{D, HEIGHT, Pair, WIDTH};
+use dorsal::disparity_pyramid::Validity;
+use dorsal::egocentric_depth::LabelImage;
+use ndarray::Array2;
+use serde_json::Value;
+use stereo_formats::{flo, label_png, pfm, picture, validity_png};
+
+fn json(pair: &Pair, name: &str) -> Value {
+    let text = fs::read_to_string(pair.path(name)).expect("a file");
+    serde_json::from_str(&text).expect("JSON")
+}
+
+#[test]
+fn disparity_alone() {
+    let pair = Pair::new();
+    let said = pair.look(&[]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    // 120 rows carry five scales, and the user is told.
+    assert!(said.err.contains("carry 5 scales, not 6"), "{}", said.err);
+    for word in ["160 x 120 pixels", "valid", "median", "ms", "disparity.pfm"] {
+        assert!(said.out.contains(word), "{}", said.out);
+    }
+
+    let d = pfm::read(pair.path("out/disparity.pfm")).expect("a PFM");
+    let vectors = flo::read(pair.path("out/disparity.flo")).expect("a .flo");
+    let confidence = pfm::read(pair.path("out/confidence.pfm")).expect("a PFM");
+    let validity = validity_png::read(pair.path("out/validity.png")).expect("a PNG");
+    assert_eq!(d.dim(), (HEIGHT, WIDTH));
+    for ((y, x), &validity) in validity.indexed_iter() {
+        let known = validity == Validity::Valid;
+        assert_eq!(d[[y, x]].is_finite(), known, "at {x}, {y}");
+        assert_eq!(vectors.at(x, y).is_some(), known, "at {x}, {y}");
+        assert!((0.0..=1.0).contains(&confidence[[y, x]]));
+        if let Some((dx, _)) = vectors.at(x, y) {
+            assert_eq!(dx, 0.0 - d[[y, x]], "the sign turns between the files");
+        }
+    }
+    // Away from the borders the wall has its disparity: nearer is positive in files. A tenth of a
+    // pixel is what smooth waves at 16 bits allow with room.
+    let mut inside: Vec<f32> = d
+        .slice(ndarray::s![20..HEIGHT - 20, 20..WIDTH - 20])
+        .iter()
+        .copied()
+        .filter(|d| d.is_finite())
+        .collect();
+    inside.sort_unstable_by(f32::total_cmp);
+    assert!((inside[inside.len() / 2] - D).abs() < 0.1);
+
+    let look = json(&pair, "out/look.json");
+    assert_eq!(look["schema"], "dorsal-look/1");
+    assert_eq!(
+        (&look["width"], &look["height"]),
+        (&WIDTH.into(), &HEIGHT.into())
+    );
+    assert_eq!(look["gabor"]["scales"], 5);
+    let valid = validity
+        .iter()
+        .filter(|validity| validity.is_valid())
+        .count();
+    assert_eq!(look["pixels"]["valid"], valid);
+    let counts = look["pixels"].as_object().expect("counts").values();
+    assert_eq!(
+        counts.filter_map(Value::as_u64).sum::<u64>(),
+        (WIDTH * HEIGHT) as u64
+    );
+    for file in look["files"].as_array().expect("files") {
+        assert!(
+            pair.path("out")
+                .join(file.as_str().expect("a name"))
+                .is_file()
+        );
+    }
+    // The scale bar stands under the picture.
+    let coloured = picture::read(pair.path("out/disparity.png")).expect("a PNG");
+    assert!(coloured.size().width == WIDTH && coloured.size().height > HEIGHT);
+    assert!(!pair.path("out/depth.pfm").exists());
+}
+
+#[test]
+fn dense_leaves_nothing_unknown() {
+    let pair = Pair::new();
+    assert_eq!(pair.look(&["--dense"]).code, Some(0));
+    let d = pfm::read(pair.path("out/disparity.pfm")).expect("a PFM");
+    assert!(d.iter().all(|d| d.is_finite()));
+    let vectors = flo::read(pair.path("out/disparity.flo")).expect("a .flo");
+    assert!(vectors.dx().iter().all(|dx| dx.is_finite()));
+    assert_eq!(json(&pair, "out/look.json")["dense"], true);
+}
+
+#[test]
+fn depth_and_relations() {
+    let pair = Pair::new();
+    // Two posters on the wall, and one mark too small to be placed.
+    let labels = Array2::from_shape_fn((HEIGHT, WIDTH), |(y, x)| match (x, y) {
+        (40..60, 40..70) => 1,
+        (100..130, 50..80) => 2,
+        (80, 60) => 3,
+        _ => 0,
+    });
+    label_png::write(pair.path("labels.png"), &LabelImage::new(labels)).expect("a PNG");
+    fs::write(
+        pair.path("names.toml"),
+        "[names]\n1 = \"map\"\n2 = \"photo\"\n3 = \"pin\"\n",
+    )
+    .expect("names");
+    let said = pair.look(&[
+        "--rig",
+        "@rig.toml",
+        "--labels",
+        "@labels.png",
+        "--names",
+        "@names.toml",
+        "--system",
+        "drs2",
+    ]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    assert!(
+        said.err.contains("reach every depth beyond"),
+        "{}",
+        said.err
+    );
+    for word in ["map", "photo", "pin has no place", "further than double"] {
+        assert!(said.out.contains(word), "no '{word}' in:\n{}", said.out);
+    }
+
+    let depth = pfm::read(pair.path("out/depth.pfm")).expect("a PFM");
+    // The wall is 2 m away; a tenth of a pixel of 6 is a sixtieth of that.
+    assert!((depth[[60, 80]] - 2.0).abs() < 0.04, "{}", depth[[60, 80]]);
+    let known = depth.iter().filter(|depth| depth.is_finite()).count();
+    let ply = fs::read(pair.path("out/cloud.ply")).expect("a cloud");
+    let header = format!("element vertex {known}\n");
+    assert!(
+        ply.windows(header.len())
+            .any(|part| part == header.as_bytes())
+    );
+    assert!(pair.path("out/depth.png").is_file());
+
+    let scene = json(&pair, "out/scene.json");
+    assert_eq!(scene["schema"], "dorsal-scene/1");
+    assert_eq!(scene["reference"]["name"], "drs2");
+    assert_eq!(scene["objects"][0]["name"], "map");
+    assert_eq!(scene["objects"][0]["label"], 1);
+    let depth_m = scene["objects"][1]["depth_m"].as_f64().expect("a number");
+    assert!((depth_m - 2.0).abs() < 0.04);
+    assert_eq!(scene["unlocated"][0]["name"], "pin");
+    assert_eq!(scene["egocentric"][0]["mode"], "sound");
+    let measured = &scene["allocentric"]["measured"];
+    // Two objects see each other both ways; the photo is to the right of the map.
+    assert_eq!(measured.as_array().expect("relations").len(), 2);
+    assert_eq!(
+        (&measured[0]["from"], &measured[0]["to"]),
+        (&"map".into(), &"photo".into())
+    );
+    let sides = measured[0]["orientation"].as_array().expect("labels");
+    assert!(
+        sides.contains(&"r".into()) || sides.contains(&"br".into()),
+        "{sides:?}"
+    );
+    assert_eq!(scene["allocentric"]["inferred"]["mode"], "published");
+}
+
+#[test]
+fn outlines_serve_as_labels() {
+    let pair = Pair::new();
+    fs::write(
+        pair.path("labels.toml"),
+        "width = 160\nheight = 120\n[[object]]\nname = \"map\"\n\
+         polygon = [[40, 40], [60, 40], [60, 70], [40, 70]]\n",
+    )
+    .expect("outlines");
+    let said = pair.look(&["--rig", "@rig.toml", "--labels", "@labels.toml"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    assert_eq!(json(&pair, "out/scene.json")["objects"][0]["name"], "map");
+}
+
+#[test]
+fn quiet_says_nothing_beside_the_results() {
+    let pair = Pair::new();
+    let said = pair.look(&["--quiet", "--rig", "@rig.toml", "--threads", "1"]);
+    assert_eq!((said.code, said.err.as_str()), (Some(0), ""));
+    assert!(said.out.contains("written"));
+}
+
+#[test]
+fn the_number_of_threads_changes_no_bit() {
+    let (one, two) = (Pair::new(), Pair::new());
+    assert_eq!(one.look(&["--threads", "1"]).code, Some(0));
+    assert_eq!(two.look(&["--threads", "3"]).code, Some(0));
+    for name in [
+        "disparity.flo",
+        "confidence.pfm",
+        "validity.png",
+        "disparity.png",
+    ] {
+        let read = |pair: &Pair| fs::read(pair.path("out").join(name)).expect("a file");
+        assert!(read(&one) == read(&two), "{name} differs");
+    }
+}
+
+#[test]
+fn two_different_pictures_draw_a_note() {
+    let pair = Pair::new();
+    let plain = dorsal::v1_gabor::LumaImage::new(Array2::from_elem((HEIGHT, WIDTH), 0.5));
+    picture::write_luma(pair.path("right.png"), &plain.expect("an image")).expect("a PNG");
+    let said = pair.look(&[]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    assert!(said.err.contains("are the pictures a pair"), "{}", said.err);
+    assert!(pair.folder().join("out/look.json").is_file());
+}

@@ -1,0 +1,79 @@
+//! Wrong arguments end with exit code 2 and a sentence that helps.
+mod command;
+
+use command::dorsal;
+
+#[track_caller]
+fn refused(line: &str, helpful: &str) {
+    let said = dorsal(line.split_whitespace());
+    assert_eq!(said.code, Some(2), "{line}: {}", said.err);
+    assert!(said.err.contains(helpful), "{line}: {}", said.err);
+    assert!(said.err.contains("Usage:"), "{line}: {}", said.err);
+    assert_eq!(said.out, "");
+}
+
+#[test]
+fn what_is_missing_or_unknown_is_named() {
+    refused("", "Examples:");
+    refused("look left.png", "<RIGHT>");
+    refused("look left.png right.png", "--out <DIR>");
+    refused("look l.png r.png --out o --colour", "--colour");
+    refused("demo", "--out <DIR>");
+    refused("tables --case 1", "--system <SYSTEM>");
+}
+
+#[test]
+fn values_are_checked_before_any_work() {
+    for (argument, helpful) in [
+        ("--scales 0", "a whole number from 1 to 32"),
+        ("--energy-threshold -1", "not negative"),
+        ("--zero-disparity nan", "a finite number"),
+        ("--threads 0", "--threads"),
+        ("--estimator magic", "vector"),
+    ] {
+        let line = format!("look l.png r.png --out o {argument}");
+        // A leading minus looks like an argument to the parser, so the value is joined.
+        let line = line.replace("threshold -1", "threshold=-1");
+        let said = dorsal(line.split_whitespace());
+        assert_eq!(said.code, Some(2), "{line}: {}", said.err);
+        assert!(said.err.contains(helpful), "{line}: {}", said.err);
+    }
+    let said = dorsal(["tables", "--system", "drs1", "--case", "5"]);
+    assert_eq!(said.code, Some(2));
+    assert!(said.err.contains("from 1 to 4"), "{}", said.err);
+}
+
+#[test]
+fn labels_need_a_rig() {
+    refused(
+        "look l.png r.png --out o --labels labels.png",
+        "--rig <RIG.toml>",
+    );
+}
+
+#[test]
+fn outlines_have_names_already() {
+    refused(
+        "look l.png r.png --out o --rig rig.toml --labels labels.toml --names names.toml",
+        "leave --names out",
+    );
+}
+
+#[test]
+fn help_and_version_are_no_failure() {
+    for line in [
+        "--help",
+        "--version",
+        "look --help",
+        "demo --help",
+        "tables --help",
+    ] {
+        let said = dorsal(line.split_whitespace());
+        assert_eq!(said.code, Some(0), "{line}");
+        assert!(said.out.contains(if line == "--version" {
+            "dorsal 0"
+        } else {
+            "Example"
+        }));
+    }
+}
