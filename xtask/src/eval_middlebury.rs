@@ -1,0 +1,279 @@
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::{Context, bail};
+use clap::Args;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use ndarray::Array2;
+use stereo_formats::picture::Picture;
+use stereo_formats::scene_folder::{self, StereoScene};
+use v1_gabor::Binocular;
+
+use crate::bounds;
+use crate::data_folder;
+use crate::date;
+use crate::download::{self, Downloaded};
+use crate::error_picture;
+use crate::estimator::Estimator;
+use crate::evaluation::Evaluation;
+use crate::machine::Machine;
+use crate::manifest::{ListedScene, Manifest};
+use crate::masks::Masks;
+use crate::results_page::results_page;
+use crate::score::Score;
+use crate::score_tables;
+
+/// Compares disparities with the truth of real pairs: every stereo scene with dense truth in the
+/// data folder.
+///
+/// Prints mean absolute error, standard deviation, signed mean, RMS, bad-0.5/1/2/4 and density over
+/// the masks all, visible, estimated and textured, for the valid pixels and for the best guess
+/// everywhere, and the paper's Table 1 beside its three scenes; writes docs/results.md.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  cargo xtask eval-middlebury --data ~/data
+  cargo xtask eval-middlebury --scene venus --scene tsukuba --pictures out
+  cargo xtask eval-middlebury --check --json out/eval.json --results out/results.md
+  cargo xtask eval-middlebury --data ~/data --download --from https://HOST/data
+
+A data folder holds scenes as stereo/SET/SCENE; each has scene.toml beside its pictures. Middlebury's
+pairs and truths can be downloaded from https://vision.middlebury.edu/stereo/data/")]
+pub(crate) struct Options {
+    /// The data folder; without it, the one that the variable DORSAL_DATA names
+    #[arg(long, value_name = "DIR")]
+    data: Option<PathBuf>,
+    /// Only this scene, by the name in its scene.toml; may be given more than once
+    #[arg(long, value_name = "NAME")]
+    scene: Vec<String>,
+    /// How disparities are estimated
+    #[arg(long, value_enum, default_value_t = Estimator::Vector)]
+    estimator: Estimator,
+    /// Write every number to this file, as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Write pictures of truth, estimate and errors below this folder
+    #[arg(long, value_name = "DIR")]
+    pictures: Option<PathBuf>,
+    /// Write the page of results to this file; without it, to docs/results.md if every scene is
+    /// evaluated
+    #[arg(long, value_name = "FILE")]
+    results: Option<PathBuf>,
+    /// Fail if an error is above its bound (dense, visible pixels: venus 0.45, sawtooth 0.70,
+    /// tsukuba 0.70 px)
+    #[arg(long)]
+    check: bool,
+    /// First fetch what is missing of the scenes into the data folder, and verify its checksums
+    #[arg(long, requires = "from")]
+    download: bool,
+    /// Where --download finds a copy of the data folder: an http, https or file address
+    #[arg(long, value_name = "URL", requires = "download")]
+    from: Option<String>,
+    /// Show no progress
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+/// Runs the task.
+pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
+    let data = options
+        .data
+        .clone()
+        .or_else(data_folder::of_environment)
+        .with_context(|| {
+            format!(
+                "no data folder: name it with --data DIR or the variable {}.\n\
+                 It holds scenes as stereo/SET/SCENE, each with scene.toml, left.png, right.png \
+                 and disp_left.png or disp_left.pfm. Middlebury's pairs and truths can be \
+                 downloaded from https://vision.middlebury.edu/stereo/data/; --download --from URL \
+                 fetches them from a copy of such a folder",
+                data_folder::VARIABLE
+            )
+        })?;
+    if let (true, Some(base)) = (options.download, &options.from) {
+        fetch(&data, base, options)?;
+    }
+    let evaluation = Evaluation {
+        schema: Evaluation::SCHEMA,
+        date: date::today(),
+        machine: Machine::this(),
+        command: command(options),
+        estimator: options.estimator,
+        scenes: scores(&data, options)?,
+    };
+    print(&evaluation);
+    write(&evaluation, options)?;
+    if options.check {
+        bounds::check(&evaluation.scenes)?;
+        println!("\nEvery bound holds.");
+    }
+    Ok(())
+}
+
+fn fetch(data: &Path, base: &str, options: &Options) -> anyhow::Result<()> {
+    let manifest = Manifest::of_repository().context("fixtures/evaluation-data.toml")?;
+    let listed: Vec<&str> = manifest.scenes.iter().map(|scene| &*scene.name).collect();
+    if let Some(unknown) = options
+        .scene
+        .iter()
+        .find(|name| !listed.contains(&&***name))
+    {
+        bail!(
+            "no scene {unknown} can be downloaded; there are {}",
+            listed.join(", ")
+        );
+    }
+    let wanted = manifest
+        .scenes
+        .iter()
+        .filter(|scene| options.wants(&scene.name));
+    let wanted: Vec<&ListedScene> = wanted.collect();
+    let progress = progress(options.quiet);
+    let Downloaded { fetched, kept } =
+        download::download(&wanted, data, base, &progress, download::with_curl)?;
+    println!("{fetched} files fetched, {kept} were there; every checksum is right.");
+    Ok(())
+}
+
+/// Evaluates the scenes that are wanted, in the order of their paths.
+fn scores(data: &Path, options: &Options) -> anyhow::Result<Vec<Score>> {
+    let scenes = scenes(data, options)?;
+    let progress = progress(options.quiet);
+    progress.set_length(scenes.len() as u64);
+    let mut scores = Vec::new();
+    for (scene, truth) in scenes {
+        progress.set_message(scene.description.name.clone());
+        let score = score(&scene, &truth, options)
+            .with_context(|| format!("scene {}", scene.description.name))?;
+        scores.push(score);
+        progress.inc(1);
+    }
+    progress.finish_and_clear();
+    Ok(scores)
+}
+
+/// The rectified scenes that are wanted and have dense truth, with their truth.
+fn scenes(data: &Path, options: &Options) -> anyhow::Result<Vec<(StereoScene, Array2<f32>)>> {
+    let mut found = Vec::new();
+    for scene in scene_folder::stereo_scenes(data)? {
+        if scene.description.rectified
+            && let Some(truth) = scene.truth()?
+        {
+            found.push((scene, truth));
+        }
+    }
+    let names: Vec<String> = found
+        .iter()
+        .map(|(scene, _)| scene.description.name.clone())
+        .collect();
+    if let Some(missing) = options.scene.iter().find(|name| !names.contains(name)) {
+        bail!(
+            "no scene {missing} with dense truth below {}; there are {}.\n\
+             A scene is a folder stereo/SET/{missing} with scene.toml beside left.png, right.png \
+             and disp_left.png or disp_left.pfm. Middlebury's pairs and truths can be downloaded \
+             from https://vision.middlebury.edu/stereo/data/",
+            data.display(),
+            names.join(", ")
+        );
+    }
+    found.retain(|(scene, _)| options.wants(&scene.description.name));
+    if found.is_empty() {
+        bail!("no scene below {} has dense truth", data.display());
+    }
+    Ok(found)
+}
+
+fn score(scene: &StereoScene, truth: &Array2<f32>, options: &Options) -> anyhow::Result<Score> {
+    let pair = scene.pair()?;
+    let left = pair.left.rgb().to_owned();
+    let masks = Masks::of(scene, truth.view(), left.view())?;
+    let eyes: Binocular<_> = pair.map(Picture::into_luma);
+    let start = Instant::now();
+    let field = options.estimator.look(&eyes)?;
+    let took = start.elapsed();
+    if let Some(folder) = &options.pictures {
+        let name = &scene.description.name;
+        error_picture::write(folder, name, left.view(), truth.view(), &field)?;
+    }
+    Ok(Score::of(
+        &scene.description,
+        &field,
+        truth.view(),
+        &masks,
+        took,
+    ))
+}
+
+fn print(evaluation: &Evaluation) {
+    let scores = &evaluation.scenes;
+    for score in scores {
+        println!("{}, px\n{}", score.scene, score_tables::of_scene(score));
+    }
+    println!("Visible pixels, px\n{}", score_tables::of_all(scores));
+    if let Some(table) = score_tables::beside_table_1(scores) {
+        println!("The paper's Table 1 (density of ours)\n{table}");
+    }
+}
+
+fn write(evaluation: &Evaluation, options: &Options) -> anyhow::Result<()> {
+    if let Some(path) = &options.json {
+        let json = serde_json::to_vec_pretty(evaluation)?;
+        write_file(path, &json)?;
+    }
+    let docs = || {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent()?;
+        // A page of some scenes is no replacement for the page of all.
+        options
+            .scene
+            .is_empty()
+            .then(|| root.join("docs").join("results.md"))
+    };
+    if let Some(path) = options.results.clone().or_else(docs) {
+        write_file(&path, results_page(evaluation).as_bytes())?;
+    }
+    Ok(())
+}
+
+/// Writes a file whole or not at all, and makes its folder if there is none.
+fn write_file(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("the folder {} cannot be made", folder.display()))?;
+    }
+    stereo_formats::replace(path, bytes)
+        .with_context(|| format!("{} cannot be written", path.display()))
+}
+
+/// A bar on standard error; nothing at all if that is no terminal.
+fn progress(quiet: bool) -> ProgressBar {
+    let target = if quiet {
+        ProgressDrawTarget::hidden()
+    } else {
+        ProgressDrawTarget::stderr()
+    };
+    let bar = ProgressBar::with_draw_target(Some(0), target);
+    match ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}") {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}
+
+/// The command that gives the same numbers again. Folders are one machine's own and left out.
+fn command(options: &Options) -> String {
+    let mut command = "cargo xtask eval-middlebury".to_owned();
+    if options.estimator != Estimator::Vector {
+        command += " --estimator ";
+        command += options.estimator.name();
+    }
+    for scene in &options.scene {
+        command += " --scene ";
+        command += scene;
+    }
+    command
+}
+
+impl Options {
+    fn wants(&self, scene: &str) -> bool {
+        self.scene.is_empty() || self.scene.iter().any(|wanted| wanted == scene)
+    }
+}
