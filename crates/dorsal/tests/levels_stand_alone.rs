@@ -12,7 +12,9 @@ fn build_alone(level: &str, others: &str, program: &str) {
     let path = workspace.join("crates").join(level);
     // The same profiles too: they stand at the end of the workspace's manifest.
     let manifest = std::fs::read_to_string(workspace.join("Cargo.toml")).expect("a manifest");
-    let profiles = &manifest[manifest.find("[profile").expect("the workspace sets profiles")..];
+    let profiles = &manifest[manifest
+        .find("[profile")
+        .expect("the workspace sets profiles")..];
     let manifest = format!(
         "[package]\nname = \"alone-{level}\"\nversion = \"0.0.0\"\nedition = \"2024\"\n\n\
          [dependencies]\n{level} = {{ path = {path:?} }}\n{others}\n\n[workspace]\n\n{profiles}"
