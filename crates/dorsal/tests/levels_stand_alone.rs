@@ -1,82 +1,89 @@
-//! Each level is a crate of its own: a program outside the workspace that depends on one level by
+//! Each level is a crate of its own: a program outside this workspace that depends on one level by
 //! path, and on nothing else of the project, builds and runs.
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Builds and runs a program that depends on `level` and on `others` from the registry.
-fn build_alone(level: &str, others: &str, program: &str) {
-    let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let scratch = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
-    let home = scratch.join(format!("alone-{level}"));
-    std::fs::create_dir_all(home.join("src")).expect("the target folder can be written");
-    let path = workspace.join("crates").join(level);
-    // The same profiles too: they stand at the end of the workspace's manifest.
-    let manifest = std::fs::read_to_string(workspace.join("Cargo.toml")).expect("a manifest");
-    let profiles = &manifest[manifest
-        .find("[profile")
-        .expect("the workspace sets profiles")..];
-    let manifest = format!(
-        "[package]\nname = \"alone-{level}\"\nversion = \"0.0.0\"\nedition = \"2024\"\n\n\
-         [dependencies]\n{level} = {{ path = {path:?} }}\n{others}\n\n[workspace]\n\n{profiles}"
-    );
-    std::fs::write(home.join("Cargo.toml"), manifest).expect("the manifest can be written");
-    std::fs::write(home.join("src/main.rs"), program).expect("the program can be written");
-    // The same versions as here, so that nothing is fetched and little is built again.
-    std::fs::copy(workspace.join("Cargo.lock"), home.join("Cargo.lock")).expect("a lock file");
-    let mut cargo = Command::new(env!("CARGO"));
-    cargo.args(["run", "--offline", "--quiet", "--manifest-path"]);
-    cargo
-        .arg(home.join("Cargo.toml"))
-        .arg("--target-dir")
-        .arg(scratch.join(".."));
-    if !cfg!(debug_assertions) {
-        cargo.arg("--release");
-    }
-    let output = cargo.output().expect("cargo can be started");
-    let stderr = String::from_utf8_lossy(&output.stderr);
-    assert!(
-        output.status.success(),
-        "{level} does not stand alone:\n{stderr}"
-    );
-    assert!(
-        !output.stdout.is_empty(),
-        "the program on {level} printed nothing"
-    );
-}
-
-#[test]
-fn v1_gabor() {
-    build_alone(
+/// A level, what its program needs from the registry, and the program.
+const PROGRAMS: [(&str, &str, &str); 4] = [
+    (
         "v1-gabor",
         "ndarray = \"0.17\"",
         include_str!("alone/v1_gabor.rs"),
-    );
-}
-
-#[test]
-fn disparity_pyramid() {
-    let others = "ndarray = \"0.17\"";
-    build_alone(
+    ),
+    (
         "disparity-pyramid",
-        others,
+        "ndarray = \"0.17\"",
         include_str!("alone/disparity_pyramid.rs"),
-    );
-}
-
-#[test]
-fn egocentric_depth() {
-    build_alone(
+    ),
+    (
         "egocentric-depth",
         "",
         include_str!("alone/egocentric_depth.rs"),
-    );
-}
-
-#[test]
-fn allocentric_qsr() {
-    build_alone(
+    ),
+    (
         "allocentric-qsr",
         "",
         include_str!("alone/allocentric_qsr.rs"),
+    ),
+];
+
+#[test]
+fn a_program_on_one_level_builds_and_runs() {
+    let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let scratch = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("alone");
+    for (level, others, program) in PROGRAMS {
+        let home = scratch.join(level);
+        let path = project.join("crates").join(level);
+        write(
+            &home.join("Cargo.toml"),
+            &format!(
+                "[package]\nname = \"alone-on-{level}\"\nversion = \"0.0.0\"\nedition = \"2024\"\n\n\
+                 [dependencies]\n{level} = {{ path = {path:?} }}\n{others}\n"
+            ),
+        );
+        write(&home.join("src/main.rs"), program);
+    }
+    // Four programs in one build, so that what they share is built once, and without optimisation,
+    // so that it is built soon.
+    write(
+        &scratch.join("Cargo.toml"),
+        "[workspace]\nresolver = \"3\"\nmembers = [\"*-*\"]\n\n[profile.dev]\ndebug = false\n",
     );
+    // The versions of the project itself: nothing is fetched that its own build has not fetched.
+    let lock = fs::read(project.join("Cargo.lock")).expect("the project has a lock file");
+    fs::write(scratch.join("Cargo.lock"), lock).expect("the target folder can be written");
+
+    let mut build = Command::new(env!("CARGO"));
+    build.args(["build", "--offline", "--quiet", "--manifest-path"]);
+    build
+        .arg(scratch.join("Cargo.toml"))
+        .arg("--target-dir")
+        .arg(scratch.join("target"));
+    let built = build.output().expect("cargo can be started");
+    let stderr = String::from_utf8_lossy(&built.stderr);
+    assert!(
+        built.status.success(),
+        "a level does not stand alone:\n{stderr}"
+    );
+
+    for (level, ..) in PROGRAMS {
+        let program = scratch
+            .join("target/debug")
+            .join(format!("alone-on-{level}"));
+        let ran = Command::new(program)
+            .output()
+            .expect("the program was built");
+        assert!(ran.status.success(), "the program on {level} failed");
+        assert!(
+            !ran.stdout.is_empty(),
+            "the program on {level} printed nothing"
+        );
+    }
+}
+
+fn write(path: &Path, text: &str) {
+    let folder = path.parent().expect("a file lies in a folder");
+    fs::create_dir_all(folder).expect("the target folder can be written");
+    fs::write(path, text).expect("the target folder can be written");
 }
