@@ -36,6 +36,7 @@
 
 mod file;
 mod raster;
+mod tiff_directory;
 mod toml_text;
 mod vector_planes;
 

@@ -4,11 +4,13 @@ use std::io::Cursor;
 
 use image::codecs::png::PngEncoder;
 use image::{
-    DynamicImage, ExtendedColorType, ImageDecoder as _, ImageEncoder as _, ImageFormat,
+    ColorType, DynamicImage, ExtendedColorType, ImageDecoder as _, ImageEncoder as _, ImageFormat,
     ImageReader, Limits,
 };
 use ndarray::{Array2, ArrayView2};
 use v1_gabor::Size;
+
+use crate::tiff_directory;
 
 /// The most pixels a picture may have: 2^26, as of 8192 x 8192.
 ///
@@ -96,6 +98,11 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<Samples, NotAPicture> {
 }
 
 fn decode_as(bytes: &[u8], format: ImageFormat) -> Result<Samples, NotAPicture> {
+    if format == ImageFormat::Tiff && !tiff_directory::is_proportionate(bytes) {
+        return Err(NotAPicture::Broken(
+            "its directory claims more values than the file has bytes for".to_owned(),
+        ));
+    }
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let honest_pixels = bytes
         .len()
@@ -107,6 +114,14 @@ fn decode_as(bytes: &[u8], format: ImageFormat) -> Result<Samples, NotAPicture> 
     reader.limits(limits);
     let mut decoder = reader.into_decoder().map_err(broken)?;
 
+    let other = |found: &str| NotAPicture::Samples {
+        found: found.to_owned(),
+        wanted: "8-bit or 16-bit grey or colour ones",
+    };
+    // Before the pixels are unpacked, which takes three times as much of these.
+    if matches!(decoder.color_type(), ColorType::Rgb32F | ColorType::Rgba32F) {
+        return Err(other("floats, whose white is anyone's guess"));
+    }
     let (width, height) = decoder.dimensions();
     let size = Size {
         width: width as usize,
@@ -130,10 +145,6 @@ fn decode_as(bytes: &[u8], format: ImageFormat) -> Result<Samples, NotAPicture> 
     limits.max_alloc = Some(decoder.total_bytes() + SPARE_BYTES);
     decoder.set_limits(limits).map_err(broken)?;
 
-    let other = |found: &str| NotAPicture::Samples {
-        found: found.to_owned(),
-        wanted: "8-bit or 16-bit grey or colour ones",
-    };
     match DynamicImage::from_decoder(decoder).map_err(broken)? {
         DynamicImage::ImageLuma8(grey) => plane(size, grey.into_raw()).map(Samples::Grey8),
         DynamicImage::ImageLuma16(grey) => plane(size, grey.into_raw()).map(Samples::Grey16),
@@ -159,9 +170,6 @@ fn decode_as(bytes: &[u8], format: ImageFormat) -> Result<Samples, NotAPicture> 
             rgba.pixels().map(|p| [p.0[0], p.0[1], p.0[2]]).collect(),
         )
         .map(Samples::Rgb16),
-        DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
-            Err(other("32-bit floats, whose white is anyone's guess"))
-        }
         _ => Err(other("of an unknown kind")),
     }
 }
