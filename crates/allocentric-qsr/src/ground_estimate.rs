@@ -1,5 +1,6 @@
 use serde::{Deserialize, Serialize};
 
+use crate::fusion::add;
 use crate::ground_pose::GroundPose;
 use crate::polar_box::PolarBox;
 use crate::sighting::Sighting;
@@ -36,6 +37,23 @@ impl GroundEstimate {
             xz_um2: whole((along - across) * sin * cos),
             zz_um2: whole(along * sin * sin + across * cos * cos),
         }
+    }
+
+    /// An estimate from metres, rounded to its grain.
+    pub(crate) fn of([x, z]: [f64; 2], [[xx, xz], [_, zz]]: [[f64; 2]; 2]) -> Self {
+        let whole = |value: f64| value.round() as i64;
+        Self {
+            x_um: whole(x * 1e6),
+            z_um: whole(z * 1e6),
+            xx_um2: whole(xx * 1e12),
+            xz_um2: whole(xz * 1e12),
+            zz_um2: whole(zz * 1e12),
+        }
+    }
+
+    /// The same position, less sure by this covariance in square metres.
+    pub(crate) fn widened(&self, by: [[f64; 2]; 2]) -> Self {
+        Self::of(self.position_m(), add(self.covariance_m2(), by))
     }
 
     /// The position `[x, z]` in the map frame, in metres.

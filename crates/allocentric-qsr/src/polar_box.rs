@@ -44,6 +44,14 @@ impl PolarBox {
         )
     }
 
+    /// The box for an observer whose heading may be off by so much to either side.
+    pub(crate) fn turned_within(self, half_rad: f64) -> Self {
+        Self::new(
+            (self.near_m, self.far_m),
+            (self.from_rad - half_rad, self.to_rad + half_rad),
+        )
+    }
+
     /// The classes and orientations of the object for the observer.
     pub(crate) fn egocentric(self, reference: &DepthReference) -> Places {
         let mut orientation = directions(self.from_rad, self.to_rad);

@@ -38,6 +38,10 @@ impl<R: BaseRelation> RelationSet<R> {
         }
     }
 
+    pub(crate) const fn bits(self) -> u32 {
+        self.bits
+    }
+
     /// The first `count` base relations, at most 32.
     pub(crate) const fn first(count: usize) -> Self {
         Self::of_bits(if count >= 32 {
