@@ -133,7 +133,7 @@ impl FilterBank {
                 || pass.workspace(size.width),
                 |workspace, (y, row)| pass.respond_row(padded.view(), y, row, workspace),
             );
-        Responses::new(samples)
+        Responses::new(self.params, samples)
     }
 }
 

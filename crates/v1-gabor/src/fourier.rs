@@ -46,7 +46,7 @@ impl FilterBank {
                 }
             }
         }
-        Responses::new(samples)
+        Responses::new(params, samples)
     }
 }
 

@@ -37,27 +37,44 @@
 //! Each scale is half the size of the one before ([1 4 6 4 1] / 16, every second pixel), so a
 //! filter of one shape sees ever coarser structure. Borders are replicated.
 //!
+//! # What else is read off them
+//! A response says more than its phase: [`Responses::energy`], [`Responses::amplitude`],
+//! [`Responses::local_phase`], [`Responses::dominant_orientation`] with its strength,
+//! [`Responses::instantaneous_frequency`], [`Responses::singularities`] (where a phase means
+//! nothing), and over all scales [`V1Responses::phase_congruency`] (edges and lines). Unknown is
+//! NaN in a plane.
+//!
 //! # How it is computed
 //! [`FilterBank::respond`] writes each filter as a sum of products of one-dimensional kernels; eight
 //! orientations share nine kernels and sixteen products. [`FilterBank::respond_by_fourier`] is the
 //! second opinion: the same responses by way of the spectrum. Tests hold both against the direct
 //! two-dimensional sum. Rows are spread over the caller's rayon pool, and the bits do not depend on
 //! how many threads it has, nor on the vector width of the machine.
+mod amplitude;
 mod binocular;
+mod dominant_orientation;
+mod energy;
 mod filter_bank;
 mod fourier;
 mod gabor_params;
+mod instantaneous_frequency;
+mod local_phase;
+mod logarithmic_derivative;
 mod luma_image;
+mod phase_congruency;
 mod pyramid;
 mod responses;
 mod separable;
 mod separable_pass;
+mod singularity;
 mod size;
 mod wave_vector;
 
 pub use binocular::Binocular;
+pub use dominant_orientation::DominantOrientation;
 pub use filter_bank::{FilterBank, WrongSize};
 pub use gabor_params::{BadParams, GaborParams};
+pub use instantaneous_frequency::InstantaneousFrequency;
 pub use luma_image::{LumaImage, NotAnImage};
 pub use responses::{PixelResponses, Responses, V1Responses};
 pub use size::Size;
