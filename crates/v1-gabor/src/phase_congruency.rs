@@ -30,7 +30,11 @@ impl V1Responses {
                 agreed += (sum.norm() - noise).max(0.0);
             }
             // A sum of lengths can round to less than the length of the sum.
-            if total > 0.0 { (agreed / total).min(1.0) } else { 0.0 }
+            if total > 0.0 {
+                (agreed / total).min(1.0)
+            } else {
+                0.0
+            }
         })
     }
 }

@@ -44,6 +44,13 @@ impl Responses {
         Self { params, samples }
     }
 
+    /// The samples, row-major, to be written over.
+    pub(crate) fn samples_mut(&mut self) -> &mut [f32] {
+        self.samples
+            .as_slice_mut()
+            .expect("responses are kept in row-major order")
+    }
+
     /// The parameters of the bank that answered. Frequencies are in radians a pixel of this scale.
     #[must_use]
     pub const fn params(&self) -> GaborParams {
@@ -121,6 +128,11 @@ impl V1Responses {
     #[must_use]
     pub fn scales(&self) -> &[Responses] {
         &self.scales
+    }
+
+    /// The scales, to be written over.
+    pub(crate) fn scales_mut(&mut self) -> &mut [Responses] {
+        &mut self.scales
     }
 
     /// The size of the image that was answered.

@@ -128,7 +128,12 @@ fn nothing_is_claimed_of_a_blank_wall() {
     let responses = respond_with(2, |_, _| 0.0);
     let finest = &responses.scales()[0];
     assert!(finest.local_phase(3).iter().all(|phase| phase.is_nan()));
-    assert!(finest.singularities(3, 1.75).iter().all(|&singular| singular));
+    assert!(
+        finest
+            .singularities(3, 1.75)
+            .iter()
+            .all(|&singular| singular)
+    );
     let dominant = finest.dominant_orientation();
     assert!(dominant.theta_rad.iter().all(|theta| theta.is_nan()));
     assert!(dominant.strength.iter().all(|strength| strength.is_nan()));
