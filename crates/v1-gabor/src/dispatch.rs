@@ -1,6 +1,7 @@
 use pulp::{Arch, NullaryFnOnce};
 
-use crate::strip_kernel::{StripKernel, StripWorkspace};
+use crate::machine::{Machine, Plain};
+use crate::strip_kernel::{MOST_RADIUS, StripKernel, StripWorkspace};
 
 /// The instructions that a bank may use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -26,12 +27,12 @@ pub(crate) struct Rows<'a> {
 }
 
 /// The same rows, with the number of taps and the way of adding known to the compiler.
-struct Compiled<'a, const RADIUS: usize, const FUSED: bool>(Rows<'a>);
+struct Compiled<'a, const RADIUS: usize, M>(Rows<'a>, M);
 
 impl Rows<'_> {
     /// Whether the fast pass is compiled for filters of this radius.
     pub(crate) const fn are_compiled_for(radius: usize) -> bool {
-        matches!(radius, 3..=7)
+        matches!(radius, 3..=MOST_RADIUS)
     }
 
     /// Filters the rows.
@@ -48,16 +49,16 @@ impl Rows<'_> {
 
     fn respond_compiled<const RADIUS: usize>(self, instructions: Instructions) {
         match (instructions, Arch::new()) {
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            (Instructions::Widest, Arch::V3(v3)) => v3.vectorize(Compiled::<RADIUS, true>(self)),
-            // Fused addition is among the base instructions there.
-            _ if cfg!(target_arch = "aarch64") => Compiled::<RADIUS, true>(self).call(),
-            _ => Compiled::<RADIUS, false>(self).call(),
+            #[cfg(target_arch = "x86_64")]
+            (Instructions::Widest, Arch::V3(v3)) => {
+                v3.vectorize(Compiled::<RADIUS, _>(self, v3));
+            }
+            _ => Compiled::<RADIUS, _>(self, Plain).call(),
         }
     }
 }
 
-impl<const RADIUS: usize, const FUSED: bool> NullaryFnOnce for Compiled<'_, RADIUS, FUSED> {
+impl<const RADIUS: usize, M: Machine> NullaryFnOnce for Compiled<'_, RADIUS, M> {
     type Output = ();
 
     // Inlined into the function that is compiled for the vector unit; a call would leave it.
@@ -71,9 +72,10 @@ impl<const RADIUS: usize, const FUSED: bool> NullaryFnOnce for Compiled<'_, RADI
             responses,
             workspace,
         } = self.0;
+        let machine = self.1;
         let stride = width * kernel.parts();
         for (row, out) in responses.chunks_exact_mut(stride).enumerate() {
-            kernel.respond_row::<RADIUS, FUSED>(image, width, from + row, out, workspace);
+            kernel.respond_row::<RADIUS, M>(machine, image, width, from + row, out, workspace);
         }
     }
 }

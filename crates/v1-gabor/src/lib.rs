@@ -70,6 +70,7 @@ mod instantaneous_frequency;
 mod local_phase;
 mod logarithmic_derivative;
 mod luma_image;
+mod machine;
 mod monogenic_bank;
 mod monogenic_params;
 mod monogenic_responses;

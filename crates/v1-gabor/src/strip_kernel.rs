@@ -1,3 +1,4 @@
+use crate::machine::Machine;
 use crate::separable::{Kernel, Parity, Separable, Term};
 
 /// How many neighbouring pixels are filtered together: one AVX vector, two of SSE or NEON.
@@ -13,6 +14,9 @@ pub(crate) const STRIP: usize = 256;
 /// Values that one step of the horizontal kernels sees: [`LANES`] and the taps on either side. A
 /// power of two above what is needed, so that offsets into it need no check.
 const WINDOW: usize = 32;
+
+/// The most taps on either side that the fast pass is compiled for.
+pub(crate) const MOST_RADIUS: usize = 7;
 
 /// Values from one vertical kernel's row to the next: a strip, the taps on either side, and what
 /// the last window reads beyond. Not a multiple of 1024, which would crowd a few cache sets.
@@ -30,7 +34,7 @@ pub(crate) struct StripKernel {
     /// For each row that the vertical kernels give, in their order, even ones first.
     horizontal: Vec<Stage>,
     /// For each part of a response, even parts first.
-    parts: Vec<Vec<(Lanes, usize)>>,
+    parts: Vec<PartRecipe>,
 }
 
 /// Kernels that are applied at one place.
@@ -43,9 +47,20 @@ struct Stage {
 /// A kernel with each tap repeated over the lanes, and where its result goes.
 #[derive(Clone, Debug)]
 struct SpreadKernel {
-    centre: Lanes,
-    sides: Vec<Lanes>,
+    /// At `0..=radius` from the centre. Kept in place rather than behind a pointer, as the loops
+    /// over kernels are short.
+    taps: [Lanes; MOST_RADIUS + 1],
     place: usize,
+}
+
+/// How one part of a response is put together: two weighted products, which is all that a Gabor
+/// filter needs, and what a steerable one needs beyond.
+#[derive(Clone, Debug)]
+struct PartRecipe {
+    first: (Lanes, usize),
+    /// Weighs nothing if there is but one product.
+    second: (Lanes, usize),
+    others: Vec<(Lanes, usize)>,
 }
 
 /// What the fast pass keeps between its steps; planned once, used for any number of rows.
@@ -83,12 +98,14 @@ impl StripKernel {
             let fed = fed.filter(|(_, product)| product.vertical == source);
             stage(&mut fed.map(|(place, product)| (product.horizontal, place)))
         });
-        let spread = |terms: &Vec<Term>| -> Vec<(Lanes, usize)> {
-            let terms = terms.iter();
-            terms.map(|t| ([t.weight; LANES], t.product)).collect()
-        };
-        let even = bank.recipes.iter().map(|recipe| spread(&recipe.even));
-        let odd = bank.recipes.iter().map(|recipe| spread(&recipe.odd));
+        let even = bank
+            .recipes
+            .iter()
+            .map(|recipe| PartRecipe::new(&recipe.even));
+        let odd = bank
+            .recipes
+            .iter()
+            .map(|recipe| PartRecipe::new(&recipe.odd));
         Self {
             radius: bank.radius(),
             products: bank.products.len(),
@@ -120,11 +137,11 @@ impl StripKernel {
     /// Writes the responses of row `y` of an image of `width` columns, row-major in `image`: for
     /// each pixel the even parts of all orientations, then the odd parts.
     ///
-    /// `RADIUS` is the bank's. `FUSED` multiplies and adds in one rounding, which only pays where
-    /// the machine has an instruction for it.
+    /// `RADIUS` is the bank's.
     #[inline(always)]
-    pub(crate) fn respond_row<const RADIUS: usize, const FUSED: bool>(
+    pub(crate) fn respond_row<const RADIUS: usize, M: Machine>(
         &self,
+        machine: M,
         image: &[f32],
         width: usize,
         y: usize,
@@ -148,12 +165,12 @@ impl StripKernel {
         let stride = self.parts();
         for start in (0..width).step_by(STRIP) {
             let end = (start + STRIP).min(width);
-            self.filter_down::<RADIUS, FUSED>(centre, &above, &below, (start, end), rows);
+            self.filter_down::<RADIUS, M>(centre, &above, &below, (start, end), rows);
             let strip = &mut responses[start * stride..end * stride];
             for (block, out) in strip.chunks_mut(LANES * stride).enumerate() {
-                self.filter_across::<RADIUS, FUSED>(rows, block * LANES, products);
-                self.combine::<FUSED>(products, parts);
-                interleave(parts, out);
+                self.filter_across::<RADIUS, M>(rows, block * LANES, products);
+                self.combine::<M>(products, parts);
+                interleave(machine, parts, out);
             }
         }
     }
@@ -161,7 +178,7 @@ impl StripKernel {
     /// The vertical kernels over the columns of one strip and the taps beside it; column `start`
     /// comes to lie at `RADIUS` of each row. Beyond the image's border the last column is repeated.
     #[inline(always)]
-    fn filter_down<const RADIUS: usize, const FUSED: bool>(
+    fn filter_down<const RADIUS: usize, M: Machine>(
         &self,
         centre: &[f32],
         above: &[&[f32]; RADIUS],
@@ -174,31 +191,22 @@ impl StripKernel {
         let to = (end + RADIUS).min(width);
         // Place in the rows of image column `x`: `x + RADIUS - start`.
         let place = |x: usize| x + RADIUS - start;
-        for x in (from..to).step_by(LANES) {
-            let whole = x + LANES <= width;
-            let load = |row: &[f32]| {
-                if whole {
-                    lanes(row, x)
-                } else {
-                    last_lanes(row, x)
-                }
-            };
-            let middle = load(centre);
-            let mut sums = [[0.0; LANES]; RADIUS];
-            let mut differences = [[0.0; LANES]; RADIUS];
-            for k in 0..RADIUS {
-                let (before, after) = (load(above[k]), load(below[k]));
-                sums[k] = add(after, before);
-                differences[k] = subtract(after, before);
-            }
-            for kernel in &self.vertical.even {
-                let value = kernel.even::<RADIUS, FUSED>(middle, &sums);
-                rows[kernel.place * ROW + place(x)..][..LANES].copy_from_slice(&value);
-            }
-            for kernel in &self.vertical.odd {
-                let value = kernel.odd::<RADIUS, FUSED>(&differences);
-                rows[kernel.place * ROW + place(x)..][..LANES].copy_from_slice(&value);
-            }
+        let mut x = from;
+        while x < to && x + LANES <= width {
+            self.filter_down_at::<RADIUS, M>(
+                lanes(centre, x),
+                std::array::from_fn(|k| (lanes(above[k], x), lanes(below[k], x))),
+                (place(x), &mut *rows),
+            );
+            x += LANES;
+        }
+        // The image ends within the lanes.
+        if x < to {
+            self.filter_down_at::<RADIUS, M>(
+                last_lanes(centre, x),
+                std::array::from_fn(|k| (last_lanes(above[k], x), last_lanes(below[k], x))),
+                (place(x), &mut *rows),
+            );
         }
         for row in rows.chunks_exact_mut(ROW) {
             let first = row[place(from)];
@@ -208,9 +216,32 @@ impl StripKernel {
         }
     }
 
+    /// The vertical kernels at [`LANES`] columns: the middle row, and the rows above and below it by
+    /// their distance.
+    #[inline(always)]
+    fn filter_down_at<const RADIUS: usize, M: Machine>(
+        &self,
+        middle: Lanes,
+        pairs: [(Lanes, Lanes); RADIUS],
+        (place, rows): (usize, &mut [f32]),
+    ) {
+        let sums: [Lanes; RADIUS] = std::array::from_fn(|k| add(pairs[k].1, pairs[k].0));
+        let differences: [Lanes; RADIUS] =
+            std::array::from_fn(|k| subtract(pairs[k].1, pairs[k].0));
+        let (even, odd) = rows.split_at_mut(self.vertical.even.len() * ROW);
+        for (kernel, row) in self.vertical.even.iter().zip(even.chunks_exact_mut(ROW)) {
+            let value = kernel.even::<RADIUS, M>(middle, &sums);
+            row[place..place + LANES].copy_from_slice(&value);
+        }
+        for (kernel, row) in self.vertical.odd.iter().zip(odd.chunks_exact_mut(ROW)) {
+            let value = kernel.odd::<RADIUS, M>(&differences);
+            row[place..place + LANES].copy_from_slice(&value);
+        }
+    }
+
     /// The products at [`LANES`] pixels, `x` pixels into the strip.
     #[inline(always)]
-    fn filter_across<const RADIUS: usize, const FUSED: bool>(
+    fn filter_across<const RADIUS: usize, M: Machine>(
         &self,
         rows: &[f32],
         x: usize,
@@ -225,14 +256,14 @@ impl StripKernel {
                 let sums: [Lanes; RADIUS] =
                     std::array::from_fn(|k| add(side(RADIUS + 1 + k), side(RADIUS - 1 - k)));
                 for kernel in &stage.even {
-                    products[kernel.place] = kernel.even::<RADIUS, FUSED>(side(RADIUS), &sums);
+                    products[kernel.place] = kernel.even::<RADIUS, M>(side(RADIUS), &sums);
                 }
             }
             if !stage.odd.is_empty() {
                 let differences: [Lanes; RADIUS] =
                     std::array::from_fn(|k| subtract(side(RADIUS + 1 + k), side(RADIUS - 1 - k)));
                 for kernel in &stage.odd {
-                    products[kernel.place] = kernel.odd::<RADIUS, FUSED>(&differences);
+                    products[kernel.place] = kernel.odd::<RADIUS, M>(&differences);
                 }
             }
         }
@@ -240,16 +271,28 @@ impl StripKernel {
 
     /// The parts of the responses from the products.
     #[inline(always)]
-    fn combine<const FUSED: bool>(&self, products: &[Lanes], parts: &mut [Lanes]) {
-        for (terms, part) in self.parts.iter().zip(parts) {
-            let Some(((weight, first), others)) = terms.split_first() else {
-                continue;
-            };
-            let mut sum = multiply(*weight, products[*first]);
-            for (weight, product) in others {
-                sum = multiply_add::<FUSED>(*weight, products[*product], sum);
+    fn combine<M: Machine>(&self, products: &[Lanes], parts: &mut [Lanes]) {
+        for (recipe, part) in self.parts.iter().zip(parts) {
+            let (weight, product) = recipe.first;
+            let mut sum = multiply(weight, products[product]);
+            let (weight, product) = recipe.second;
+            sum = M::multiply_add(weight, products[product], sum);
+            for &(weight, product) in &recipe.others {
+                sum = M::multiply_add(weight, products[product], sum);
             }
             *part = sum;
+        }
+    }
+}
+
+impl PartRecipe {
+    fn new(terms: &[Term]) -> Self {
+        let mut terms = terms.iter().map(|t| ([t.weight; LANES], t.product));
+        let nothing = ([0.0; LANES], 0);
+        Self {
+            first: terms.next().unwrap_or(nothing),
+            second: terms.next().unwrap_or(nothing),
+            others: terms.collect(),
         }
     }
 }
@@ -257,32 +300,29 @@ impl StripKernel {
 impl SpreadKernel {
     fn new(kernel: &Kernel, place: usize) -> Self {
         Self {
-            centre: [kernel.taps[0]; LANES],
-            sides: kernel.taps[1..].iter().map(|&tap| [tap; LANES]).collect(),
+            taps: std::array::from_fn(|k| [kernel.taps.get(k).copied().unwrap_or(0.0); LANES]),
             place,
         }
     }
 
     #[inline(always)]
-    fn even<const RADIUS: usize, const FUSED: bool>(
+    fn even<const RADIUS: usize, M: Machine>(
         &self,
         middle: Lanes,
         sums: &[Lanes; RADIUS],
     ) -> Lanes {
-        let mut value = multiply(self.centre, middle);
-        let sides = &self.sides[..RADIUS];
+        let mut value = multiply(self.taps[0], middle);
         for k in 0..RADIUS {
-            value = multiply_add::<FUSED>(sides[k], sums[k], value);
+            value = M::multiply_add(self.taps[k + 1], sums[k], value);
         }
         value
     }
 
     #[inline(always)]
-    fn odd<const RADIUS: usize, const FUSED: bool>(&self, differences: &[Lanes; RADIUS]) -> Lanes {
-        let sides = &self.sides[..RADIUS];
-        let mut value = multiply(sides[0], differences[0]);
+    fn odd<const RADIUS: usize, M: Machine>(&self, differences: &[Lanes; RADIUS]) -> Lanes {
+        let mut value = multiply(self.taps[1], differences[0]);
         for k in 1..RADIUS {
-            value = multiply_add::<FUSED>(sides[k], differences[k], value);
+            value = M::multiply_add(self.taps[k + 1], differences[k], value);
         }
         value
     }
@@ -290,13 +330,13 @@ impl SpreadKernel {
 
 /// Writes parts `[[part, pixel]]` as `[[pixel, part]]`, as many pixels as `out` has.
 #[inline(always)]
-fn interleave(parts: &[Lanes], out: &mut [f32]) {
+fn interleave<M: Machine>(machine: M, parts: &[Lanes], out: &mut [f32]) {
     if let (Ok(parts), Ok(out)) = (
         <&[Lanes; 16]>::try_from(parts),
         <&mut [f32; 16 * LANES]>::try_from(&mut *out),
     ) {
         for half in 0..2 {
-            let turned = turn(std::array::from_fn(|part| parts[half * LANES + part]));
+            let turned = machine.turn(std::array::from_fn(|part| parts[half * LANES + part]));
             for (pixel, values) in turned.iter().enumerate() {
                 out[16 * pixel + LANES * half..][..LANES].copy_from_slice(values);
             }
@@ -308,41 +348,6 @@ fn interleave(parts: &[Lanes], out: &mut [f32]) {
             }
         }
     }
-}
-
-/// Rows become columns. Written as the three rounds of pairwise shuffles that a vector unit has
-/// instructions for.
-#[inline(always)]
-fn turn(rows: [Lanes; LANES]) -> [Lanes; LANES] {
-    let low = |a: Lanes, b: Lanes| [a[0], b[0], a[1], b[1], a[4], b[4], a[5], b[5]];
-    let high = |a: Lanes, b: Lanes| [a[2], b[2], a[3], b[3], a[6], b[6], a[7], b[7]];
-    let low_pairs = |a: Lanes, b: Lanes| [a[0], a[1], b[0], b[1], a[4], a[5], b[4], b[5]];
-    let high_pairs = |a: Lanes, b: Lanes| [a[2], a[3], b[2], b[3], a[6], a[7], b[6], b[7]];
-    let low_half = |a: Lanes, b: Lanes| [a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]];
-    let high_half = |a: Lanes, b: Lanes| [a[4], a[5], a[6], a[7], b[4], b[5], b[6], b[7]];
-    let [a, b, c, d, e, f, g, h] = rows;
-    let (ab, cd, ef, gh) = (low(a, b), low(c, d), low(e, f), low(g, h));
-    let (ab_high, cd_high) = (high(a, b), high(c, d));
-    let (ef_high, gh_high) = (high(e, f), high(g, h));
-    let front = [
-        low_pairs(ab, cd),
-        high_pairs(ab, cd),
-        low_pairs(ab_high, cd_high),
-        high_pairs(ab_high, cd_high),
-    ];
-    let back = [
-        low_pairs(ef, gh),
-        high_pairs(ef, gh),
-        low_pairs(ef_high, gh_high),
-        high_pairs(ef_high, gh_high),
-    ];
-    std::array::from_fn(|i| {
-        if i < 4 {
-            low_half(front[i], back[i])
-        } else {
-            high_half(front[i - 4], back[i - 4])
-        }
-    })
 }
 
 #[inline(always)]
@@ -370,34 +375,4 @@ fn subtract(a: Lanes, b: Lanes) -> Lanes {
 #[inline(always)]
 fn multiply(a: Lanes, b: Lanes) -> Lanes {
     std::array::from_fn(|i| a[i] * b[i])
-}
-
-/// `a b + c`, in one rounding if `FUSED`.
-#[inline(always)]
-fn multiply_add<const FUSED: bool>(a: Lanes, b: Lanes, c: Lanes) -> Lanes {
-    std::array::from_fn(|i| {
-        if FUSED {
-            a[i].mul_add(b[i], c[i])
-        } else {
-            a[i] * b[i] + c[i]
-        }
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn turning_twice_is_standing_still() {
-        let rows: [Lanes; LANES] =
-            std::array::from_fn(|y| std::array::from_fn(|x| (y * LANES + x) as f32));
-        let turned = turn(rows);
-        for y in 0..LANES {
-            for x in 0..LANES {
-                assert_eq!(turned[y][x], rows[x][y]);
-            }
-        }
-        assert_eq!(turn(turned), rows);
-    }
 }
