@@ -54,7 +54,9 @@
 //! orientations share nine kernels and sixteen products. [`FilterBank::respond_by_fourier`] is the
 //! second opinion: the same responses by way of the spectrum. Tests hold both against the direct
 //! two-dimensional sum. Rows are spread over the caller's rayon pool, and the bits do not depend on
-//! how many threads it has, nor on the vector width of the machine.
+//! how many threads it has. The machine's vector width is found at run time; between AVX2 and the
+//! base instructions ([`Instructions`]) the last bits differ, as one fuses additions.
+//! [`FilterBank::respond_into`] works in planned buffers, for frame after frame.
 mod amplitude;
 mod bank_workspace;
 mod binocular;

@@ -41,7 +41,7 @@ impl Machine for pulp::x86::V3 {
     #[inline(always)]
     fn turn(self, rows: [Lanes; LANES]) -> [Lanes; LANES] {
         let avx = self.avx;
-        let rows = rows.map(|row| pulp::cast(row));
+        let rows = rows.map(pulp::cast);
         let pairs: [_; LANES] = std::array::from_fn(|i| {
             let (a, b) = (rows[i / 2 * 2], rows[i / 2 * 2 + 1]);
             match i % 2 {

@@ -69,10 +69,15 @@ fn band(gain: impl Fn(usize) -> f32) -> Band {
     let gains: Vec<f32> = (0..=BINS / 2).map(gain).collect();
     let peak = (0..gains.len())
         .max_by(|&a, &b| gains[a].total_cmp(&gains[b]))
-        .unwrap();
+        .expect("a gain at every bin");
     let half = gains[peak] / 2.0;
-    let lower = (0..peak).rev().find(|&bin| gains[bin] < half).unwrap();
-    let upper = (peak..gains.len()).find(|&bin| gains[bin] < half).unwrap();
+    let lower = (0..peak)
+        .rev()
+        .find(|&bin| gains[bin] < half)
+        .expect("a band-pass");
+    let upper = (peak..gains.len())
+        .find(|&bin| gains[bin] < half)
+        .expect("a band below Nyquist");
     let crossing = |a: usize, b: usize| {
         omega(a) + (half - gains[a]) / (gains[b] - gains[a]) * (omega(b) - omega(a))
     };
@@ -244,7 +249,7 @@ fn monogenic() -> MonogenicBank {
         scales: 1,
         ..MonogenicParams::default()
     };
-    MonogenicBank::plan(params, SIZE).unwrap()
+    MonogenicBank::plan(params, SIZE).expect("one scale fits")
 }
 
 /// The impulse response of the spherical filter has the planned band, no DC, and a Riesz transform
