@@ -59,6 +59,18 @@ pub enum BadParams {
     /// The peak frequency is not between standstill and the Nyquist frequency.
     #[error("a peak frequency of {0} rad/px is not between 0 and pi")]
     PeakFrequency(f32),
+    /// Half the peak gain is still exceeded at the Nyquist frequency, where even and odd filters
+    /// part.
+    #[error(
+        "at a peak of {peak_frequency} rad/px the band of this family ends at {upper_edge} rad/px, \
+         beyond the Nyquist frequency; a lower peak frequency helps"
+    )]
+    Band {
+        /// Peak frequency asked for, in rad/px.
+        peak_frequency: f32,
+        /// Where the gain falls to half above it, in rad/px.
+        upper_edge: f32,
+    },
     /// The bandwidth is not a positive number of octaves.
     #[error("a bandwidth of {0} octaves is not positive and finite")]
     Bandwidth(f32),
@@ -119,6 +131,22 @@ impl GaborParams {
 
     /// Checks that a bank with these parameters exists for images of this size.
     pub(crate) fn check(&self, size: Size) -> Result<(), BadParams> {
+        self.check_grid(size)?;
+        let sigma_px = self.sigma_px();
+        // At 1.9 sigma the envelope is down to a sixth; the paper's 5 taps are 2.2 sigma.
+        let least = (1.9 * sigma_px).ceil() as usize;
+        if self.radius < least {
+            return Err(BadParams::Radius {
+                radius: self.radius,
+                sigma_px,
+                least,
+            });
+        }
+        Ok(())
+    }
+
+    /// Checks what all families have in common: everything but the fit of the window.
+    pub(crate) fn check_grid(&self, size: Size) -> Result<(), BadParams> {
         if size.area() == 0 {
             return Err(BadParams::EmptyImage(size));
         }
@@ -130,16 +158,6 @@ impl GaborParams {
         }
         if !(self.bandwidth > 0.0 && self.bandwidth.is_finite()) {
             return Err(BadParams::Bandwidth(self.bandwidth));
-        }
-        let sigma_px = self.sigma_px();
-        // At 1.9 sigma the envelope is down to a sixth; the paper's 5 taps are 2.2 sigma.
-        let least = (1.9 * sigma_px).ceil() as usize;
-        if self.radius < least {
-            return Err(BadParams::Radius {
-                radius: self.radius,
-                sigma_px,
-                least,
-            });
         }
         if self.scales == 0 {
             return Err(BadParams::NoScale);

@@ -37,28 +37,71 @@
 //! Each scale is half the size of the one before ([1 4 6 4 1] / 16, every second pixel), so a
 //! filter of one shape sees ever coarser structure. Borders are replicated.
 //!
+//! Other band-pass families answer through the same door: [`SteerableParams`] plans Freeman and
+//! Adelson's quadrature pairs of second and fourth order, with the same [`V1Responses`] as answer.
+//! The spherical quadrature filter has its own, as it gives one orientation a pixel and no more:
+//! [`MonogenicBank`] and [`MonogenicResponses`].
+//!
+//! # What else is read off them
+//! A response says more than its phase: [`Responses::energy`], [`Responses::amplitude`],
+//! [`Responses::local_phase`], [`Responses::dominant_orientation`] with its strength,
+//! [`Responses::instantaneous_frequency`], [`Responses::singularities`] (where a phase means
+//! nothing), and over all scales [`V1Responses::phase_congruency`] (edges and lines). Unknown is
+//! NaN in a plane.
+//!
 //! # How it is computed
 //! [`FilterBank::respond`] writes each filter as a sum of products of one-dimensional kernels; eight
 //! orientations share nine kernels and sixteen products. [`FilterBank::respond_by_fourier`] is the
 //! second opinion: the same responses by way of the spectrum. Tests hold both against the direct
 //! two-dimensional sum. Rows are spread over the caller's rayon pool, and the bits do not depend on
-//! how many threads it has, nor on the vector width of the machine.
+//! how many threads it has. The machine's vector width is found at run time; between AVX2 and the
+//! base instructions ([`Instructions`]) the last bits differ, as one fuses additions.
+//! [`FilterBank::respond_into`] works in planned buffers, for frame after frame.
+mod amplitude;
+mod bank_workspace;
 mod binocular;
+mod dispatch;
+mod dominant_orientation;
+mod energy;
+mod family;
 mod filter_bank;
 mod fourier;
+mod gabor_kernels;
 mod gabor_params;
+mod instantaneous_frequency;
+mod local_phase;
+mod logarithmic_derivative;
 mod luma_image;
+mod machine;
+mod monogenic_bank;
+mod monogenic_params;
+mod monogenic_responses;
+mod phase_congruency;
 mod pyramid;
 mod responses;
 mod separable;
 mod separable_pass;
+mod singularity;
 mod size;
+mod steerable_kernels;
+mod steerable_params;
+mod strip_kernel;
+mod transform;
 mod wave_vector;
 
+pub use bank_workspace::BankWorkspace;
 pub use binocular::Binocular;
+pub use dispatch::Instructions;
+pub use dominant_orientation::DominantOrientation;
+pub use family::Family;
 pub use filter_bank::{FilterBank, WrongSize};
 pub use gabor_params::{BadParams, GaborParams};
+pub use instantaneous_frequency::InstantaneousFrequency;
 pub use luma_image::{LumaImage, NotAnImage};
+pub use monogenic_bank::MonogenicBank;
+pub use monogenic_params::MonogenicParams;
+pub use monogenic_responses::{MonogenicPlanes, MonogenicResponse, MonogenicResponses};
 pub use responses::{PixelResponses, Responses, V1Responses};
 pub use size::Size;
+pub use steerable_params::{SteerableOrder, SteerableParams};
 pub use wave_vector::WaveVector;

@@ -2,6 +2,7 @@ use ndarray::{Array2, ArrayView2};
 use rayon::prelude::*;
 
 use crate::Size;
+use crate::bank_workspace::BandWorkspace;
 
 /// The binomial low-pass `[1 4 6 4 1] / 16`.
 const BINOMIAL: [f32; 5] = [1.0 / 16.0, 4.0 / 16.0, 6.0 / 16.0, 4.0 / 16.0, 1.0 / 16.0];
@@ -12,30 +13,53 @@ const BINOMIAL: [f32; 5] = [1.0 / 16.0, 4.0 / 16.0, 6.0 / 16.0, 4.0 / 16.0, 1.0 
 /// Coarse pixel `(x, y)` lies at fine pixel `(2 x, 2 y)`.
 pub(crate) fn reduce(plane: ArrayView2<'_, f32>) -> Array2<f32> {
     let fine = Size::of_dim(plane.dim());
-    let coarse = fine.halved();
-    let mut reduced = Array2::zeros(coarse.dim());
-    let rows = |y: usize, k: usize| (2 * y + k).saturating_sub(2).min(fine.height - 1);
+    let mut reduced = Array2::zeros(fine.halved().dim());
+    let mut low_passed = vec![0.0; fine.width];
+    for (y, out) in reduced.rows_mut().into_iter().enumerate() {
+        let out = out.into_slice().expect("a fresh array is contiguous");
+        reduce_row(plane, y, &mut low_passed, out);
+    }
+    reduced
+}
+
+/// The same into a plane of the right size, with the caller's threads and buffers.
+pub(crate) fn reduce_into(
+    plane: ArrayView2<'_, f32>,
+    reduced: &mut Array2<f32>,
+    bands: &mut [BandWorkspace],
+) {
+    let coarse = Size::of_dim(reduced.dim());
+    let rows = coarse.height.div_ceil(bands.len());
     reduced
         .as_slice_mut()
-        .expect("a fresh array is contiguous")
-        .par_chunks_mut(coarse.width)
+        .expect("a planned plane is contiguous")
+        .par_chunks_mut(rows * coarse.width)
+        .zip(bands)
         .enumerate()
-        .for_each(|(y, out)| {
-            let mut column = vec![0.0f32; fine.width];
-            for (k, tap) in BINOMIAL.iter().enumerate() {
-                for (sum, sample) in column.iter_mut().zip(plane.row(rows(y, k))) {
-                    *sum += tap * sample;
-                }
-            }
-            for (x, out) in out.iter_mut().enumerate() {
-                *out = BINOMIAL
-                    .iter()
-                    .enumerate()
-                    .map(|(k, tap)| tap * column[(2 * x + k).saturating_sub(2).min(fine.width - 1)])
-                    .sum();
+        .for_each(|(band, (out, workspace))| {
+            for (y, out) in out.chunks_exact_mut(coarse.width).enumerate() {
+                reduce_row(plane, band * rows + y, &mut workspace.row, out);
             }
         });
-    reduced
+}
+
+/// Row `y` of the coarser plane. `low_passed` is a buffer of at least the finer plane's width.
+fn reduce_row(plane: ArrayView2<'_, f32>, y: usize, low_passed: &mut [f32], out: &mut [f32]) {
+    let (height, width) = plane.dim();
+    let low_passed = &mut low_passed[..width];
+    low_passed.fill(0.0);
+    for (k, tap) in BINOMIAL.iter().enumerate() {
+        let row = plane.row((2 * y + k).saturating_sub(2).min(height - 1));
+        let row = row.to_slice().expect("a plane is contiguous");
+        for (sum, sample) in low_passed.iter_mut().zip(row) {
+            *sum += tap * sample;
+        }
+    }
+    for (x, out) in out.iter_mut().enumerate() {
+        let at = |k: usize| low_passed[(2 * x + k).saturating_sub(2).min(width - 1)];
+        let taps = BINOMIAL.iter().enumerate();
+        *out = taps.map(|(k, tap)| tap * at(k)).sum();
+    }
 }
 
 #[cfg(test)]

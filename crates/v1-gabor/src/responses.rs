@@ -10,6 +10,7 @@ use crate::{GaborParams, Size};
 /// so that a grating of amplitude `A` answers with amplitude `A / 2`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Responses {
+    params: GaborParams,
     /// `[[y, x, part]]`: the even (real) parts of all orientations, then the odd (imaginary) ones.
     ///
     /// What one pixel says lies in one place (a cache line for eight orientations), because who
@@ -35,9 +36,25 @@ pub struct V1Responses {
 
 impl Responses {
     /// Takes samples `[[y, x, even parts then odd parts]]` in row-major order.
-    pub(crate) fn new(samples: Array3<f32>) -> Self {
-        debug_assert!(samples.is_standard_layout() && samples.dim().2.is_multiple_of(2));
-        Self { samples }
+    pub(crate) fn new(params: GaborParams, samples: Array3<f32>) -> Self {
+        debug_assert!(
+            samples.is_standard_layout() && samples.dim().2 == 2 * params.orientations,
+            "every orientation has two parts"
+        );
+        Self { params, samples }
+    }
+
+    /// The samples, row-major, to be written over.
+    pub(crate) fn samples_mut(&mut self) -> &mut [f32] {
+        self.samples
+            .as_slice_mut()
+            .expect("responses are kept in row-major order")
+    }
+
+    /// The parameters of the bank that answered. Frequencies are in radians a pixel of this scale.
+    #[must_use]
+    pub const fn params(&self) -> GaborParams {
+        self.params
     }
 
     /// Width and height of this scale in its own pixels.
@@ -111,6 +128,11 @@ impl V1Responses {
     #[must_use]
     pub fn scales(&self) -> &[Responses] {
         &self.scales
+    }
+
+    /// The scales, to be written over.
+    pub(crate) fn scales_mut(&mut self) -> &mut [Responses] {
+        &mut self.scales
     }
 
     /// The size of the image that was answered.

@@ -1,7 +1,8 @@
-use ndarray::ArrayView2;
-use pulp::{Arch, NullaryFnOnce};
+use std::iter::repeat;
 
-use crate::separable::{Kernel, Parity, Recipe, Separable};
+use ndarray::ArrayView2;
+
+use crate::separable::{Kernel, Parity, Separable, Term};
 
 /// How many neighbouring outputs a convolution computes together: four vectors of the smallest
 /// vector unit, so that a loop over taps keeps its sums in registers.
@@ -53,23 +54,6 @@ impl<'a> SeparablePass<'a> {
         responses: &mut [f32],
         workspace: &mut Workspace,
     ) {
-        Arch::new().dispatch(Row {
-            pass: self,
-            padded,
-            y,
-            responses,
-            workspace,
-        });
-    }
-
-    #[inline(always)]
-    fn filter_row(
-        &self,
-        padded: ArrayView2<'_, f32>,
-        y: usize,
-        responses: &mut [f32],
-        workspace: &mut Workspace,
-    ) {
         let stride = padded.dim().1;
         let rows = padded.to_slice().expect("a padded plane is contiguous");
         for (&kernel, out) in self.vertical.iter().zip(&mut workspace.vertical) {
@@ -90,67 +74,32 @@ impl<'a> SeparablePass<'a> {
         }
         let orientations = self.bank.recipes.len();
         for (q, recipe) in self.bank.recipes.iter().enumerate() {
-            let Recipe { even, odd, gain } = *recipe;
-            combine(
-                &workspace.products,
-                even,
-                gain,
-                &mut responses[q..],
-                2 * orientations,
-            );
-            let odd_parts = &mut responses[orientations + q..];
-            combine(&workspace.products, odd, gain, odd_parts, 2 * orientations);
+            let parts = [(q, &recipe.even), (orientations + q, &recipe.odd)];
+            for (part, terms) in parts {
+                combine(
+                    &workspace.products,
+                    terms,
+                    &mut responses[part..],
+                    2 * orientations,
+                );
+            }
         }
     }
 }
 
-/// One row's work, compiled once for each vector width and run at the machine's widest. Products
-/// and sums stay separate at every width, so the bits do too.
-struct Row<'a, 'b> {
-    pass: &'b SeparablePass<'a>,
-    padded: ArrayView2<'b, f32>,
-    y: usize,
-    responses: &'b mut [f32],
-    workspace: &'b mut Workspace,
-}
-
-impl NullaryFnOnce for Row<'_, '_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        self.pass
-            .filter_row(self.padded, self.y, self.responses, self.workspace);
-    }
-}
-
-/// Writes `gain (first + sign second)` to every `stride`-th place.
-#[inline(always)]
-fn combine(
-    products: &[Vec<f32>],
-    (first, second): (usize, Option<(f32, usize)>),
-    gain: f32,
-    out: &mut [f32],
-    stride: usize,
-) {
-    let places = out.iter_mut().step_by(stride);
-    match second {
-        None => {
-            for (out, first) in places.zip(&products[first]) {
-                *out = gain * first;
-            }
-        }
-        Some((sign, second)) => {
-            for ((out, first), second) in places.zip(&products[first]).zip(&products[second]) {
-                *out = gain * (first + sign * second);
-            }
+/// Writes the weighted sum of products to every `stride`-th place.
+fn combine(products: &[Vec<f32>], terms: &[Term], out: &mut [f32], stride: usize) {
+    for (term, first) in terms.iter().zip([true].into_iter().chain(repeat(false))) {
+        let places = out.iter_mut().step_by(stride);
+        for (out, product) in places.zip(&products[term.product]) {
+            let before = if first { 0.0 } else { *out };
+            *out = before + term.weight * product;
         }
     }
 }
 
 /// `out[i] = sum_k kernel(k) source[i + (radius + k) step]`, `step` being 1 along a row and the row
 /// stride down a column.
-#[inline(always)]
 fn correlate(kernel: &Kernel, source: &[f32], step: usize, out: &mut [f32]) {
     let radius = kernel.taps.len() - 1;
     let mut blocks = out.chunks_exact_mut(BLOCK);

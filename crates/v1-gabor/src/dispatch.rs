@@ -1,0 +1,81 @@
+use pulp::{Arch, NullaryFnOnce};
+
+use crate::machine::{Machine, Plain};
+use crate::strip_kernel::{MOST_RADIUS, StripKernel, StripWorkspace};
+
+/// The instructions that a bank may use.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Instructions {
+    /// The widest that this machine has, of those that are compiled: AVX2 with fused
+    /// multiplication on x86, the base instructions elsewhere.
+    #[default]
+    Widest,
+    /// What every machine of the compiled target has: the same bits on all of them, a few units in
+    /// the last place from the widest, and slower.
+    Portable,
+}
+
+/// Rows `from..` of an image through a [`StripKernel`], as many as `responses` holds.
+#[derive(Debug)]
+pub(crate) struct Rows<'a> {
+    pub(crate) kernel: &'a StripKernel,
+    pub(crate) image: &'a [f32],
+    pub(crate) width: usize,
+    pub(crate) from: usize,
+    pub(crate) responses: &'a mut [f32],
+    pub(crate) workspace: &'a mut StripWorkspace,
+}
+
+/// The same rows, with the number of taps and the way of adding known to the compiler.
+struct Compiled<'a, const RADIUS: usize, M>(Rows<'a>, M);
+
+impl Rows<'_> {
+    /// Whether the fast pass is compiled for filters of this radius.
+    pub(crate) const fn are_compiled_for(radius: usize) -> bool {
+        matches!(radius, 3..=MOST_RADIUS)
+    }
+
+    /// Filters the rows.
+    pub(crate) fn respond(self, radius: usize, instructions: Instructions) {
+        match radius {
+            3 => self.respond_compiled::<3>(instructions),
+            4 => self.respond_compiled::<4>(instructions),
+            5 => self.respond_compiled::<5>(instructions),
+            6 => self.respond_compiled::<6>(instructions),
+            7 => self.respond_compiled::<7>(instructions),
+            _ => unreachable!("the plan takes the plain pass for other radii"),
+        }
+    }
+
+    fn respond_compiled<const RADIUS: usize>(self, instructions: Instructions) {
+        match (instructions, Arch::new()) {
+            #[cfg(target_arch = "x86_64")]
+            (Instructions::Widest, Arch::V3(v3)) => {
+                v3.vectorize(Compiled::<RADIUS, _>(self, v3));
+            }
+            _ => Compiled::<RADIUS, _>(self, Plain).call(),
+        }
+    }
+}
+
+impl<const RADIUS: usize, M: Machine> NullaryFnOnce for Compiled<'_, RADIUS, M> {
+    type Output = ();
+
+    // Inlined into the function that is compiled for the vector unit; a call would leave it.
+    #[inline(always)]
+    fn call(self) {
+        let Rows {
+            kernel,
+            image,
+            width,
+            from,
+            responses,
+            workspace,
+        } = self.0;
+        let machine = self.1;
+        let stride = width * kernel.parts();
+        for (row, out) in responses.chunks_exact_mut(stride).enumerate() {
+            kernel.respond_row::<RADIUS, M>(machine, image, width, from + row, out, workspace);
+        }
+    }
+}
