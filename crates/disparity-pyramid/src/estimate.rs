@@ -65,23 +65,23 @@ pub fn estimate(
     }
     let waves = left.params().wave_vectors();
     let (start_x, start_y) = params.zero_disparity_px;
-    let mut there = coarse_to_fine(
-        left.scales(),
-        right.scales(),
-        &waves,
-        (start_x, start_y),
-        &params,
-    );
-    if let Some(tolerance_px) = params.left_right_px {
-        let back = coarse_to_fine(
-            right.scales(),
-            left.scales(),
-            &waves,
-            (-start_x, -start_y),
-            &params,
-        );
-        check(&mut there, &back, tolerance_px);
-    }
+    let there = || {
+        let start = (start_x, start_y);
+        coarse_to_fine(left.scales(), right.scales(), &waves, start, &params)
+    };
+    let back = || {
+        let start = (-start_x, -start_y);
+        coarse_to_fine(right.scales(), left.scales(), &waves, start, &params)
+    };
+    let there = match params.left_right_px {
+        None => there(),
+        // Side by side: steps of one that keep a single thread busy leave the others to the other.
+        Some(tolerance_px) => {
+            let (mut there, back) = rayon::join(there, back);
+            check(&mut there, &back, tolerance_px);
+            there
+        }
+    };
     let confidence =
         Zip::from(&there.residual)
             .and(&there.validity)

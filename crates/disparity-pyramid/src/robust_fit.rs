@@ -84,16 +84,10 @@ pub(crate) fn robust_fit(
             let ridge = params.vertical_prior * trace;
             let (yy, ry) = (yy[i] + ridge, ry[i] + ridge * pull[i]);
             let determinant = xx[i] * yy - xy[i] * xy[i];
-            ux[i] = if told {
-                (yy * rx[i] - xy[i] * ry) / determinant
-            } else {
-                f32::NAN
-            };
-            uy[i] = if told {
-                (xx[i] * ry - xy[i] * rx[i]) / determinant
-            } else {
-                f32::NAN
-            };
+            // One division for both components; NaN where they cannot be told.
+            let inverse = if told { 1.0 / determinant } else { f32::NAN };
+            ux[i] = (yy * rx[i] - xy[i] * ry) * inverse;
+            uy[i] = (xx[i] * ry - xy[i] * rx[i]) * inverse;
         }
     }
     let mut agreement = [0.0f32; TILE];
