@@ -103,7 +103,7 @@ struct Row<'a> {
 /// One row's work with the orientations in `LANES` lanes.
 ///
 /// It is compiled once for each vector width and run at the machine's widest. Products and sums
-/// stay separate at every width, so the bits do too.
+/// stay separate at every width, so that this level adds no difference between machines.
 struct InLanes<'a, const LANES: usize>(Row<'a>);
 
 impl<const LANES: usize> NullaryFnOnce for InLanes<'_, LANES> {
