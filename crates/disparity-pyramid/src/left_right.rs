@@ -8,8 +8,8 @@ use crate::refine::Shifts;
 /// inconsistent if not. Where the other eye has no answer there is nothing to check against, and
 /// the pixel is inconsistent.
 ///
-/// `nearer_back` tells whether the shift on the way back, compared with the one that would undo the
-/// way there, belongs to something nearer.
+/// What is nearer has the larger `dx` seen from the right eye, so a way back that overshoots to the
+/// right (`dx` there plus `dx` back above 0) belongs to something nearer.
 pub(crate) fn check(there: &mut Shifts, back: &Shifts, tolerance_px: f32) {
     let (height, width) = there.dx.dim();
     let verdicts = Array2::from_shape_fn((height, width), |(y, x)| {
