@@ -13,6 +13,8 @@ pub struct BankWorkspace {
     /// The pyramid without the image itself, finer ones first.
     pub(crate) coarser: Vec<Array2<f32>>,
     pub(crate) bands: Vec<BandWorkspace>,
+    /// One row of responses, for those who want them row by row; empty until then.
+    pub(crate) responses: Vec<f32>,
     /// [`StripKernel::shape`] of the kernel that the bands were planned for.
     kernel: (usize, usize, usize),
     /// Size of the image.
@@ -48,6 +50,7 @@ impl BankWorkspace {
         Self {
             coarser: sizes.map(|size| Array2::zeros(size.dim())).collect(),
             bands: vec![band; bands],
+            responses: Vec::new(),
             kernel: kernel.shape(),
             finest,
         }

@@ -1,13 +1,14 @@
 use pulp::{Arch, NullaryFnOnce};
 
+use crate::lanes::MOST_RADIUS;
 use crate::machine::{Machine, Plain};
-use crate::strip_kernel::{MOST_RADIUS, StripKernel, StripWorkspace};
+use crate::strip_kernel::{StripKernel, StripWorkspace};
 
 /// The instructions that a bank may use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Instructions {
-    /// The widest that this machine has, of those that are compiled: AVX2 with fused
-    /// multiplication on x86, the base instructions elsewhere.
+    /// The widest that this machine has, of those that are compiled: AVX-512, or AVX2 with fused
+    /// multiplication, on x86, the base instructions elsewhere.
     #[default]
     Widest,
     /// What every machine of the compiled target has: the same bits on all of them, a few units in
@@ -27,7 +28,7 @@ pub(crate) struct Rows<'a> {
 }
 
 /// The same rows, with the number of taps and the way of adding known to the compiler.
-struct Compiled<'a, const RADIUS: usize, M>(Rows<'a>, M);
+struct Compiled<'a, const RADIUS: usize, const LANES: usize, M>(Rows<'a>, M);
 
 impl Rows<'_> {
     /// Whether the fast pass is compiled for filters of this radius.
@@ -49,16 +50,27 @@ impl Rows<'_> {
 
     fn respond_compiled<const RADIUS: usize>(self, instructions: Instructions) {
         match (instructions, Arch::new()) {
+            // Sixteen lanes turn sixteen parts at a time, and are no gain where there are fewer.
+            #[cfg(target_arch = "x86_64")]
+            (Instructions::Widest, Arch::V4(v4)) if !self.kernel.parts().is_multiple_of(16) => {
+                v4.vectorize(Compiled::<RADIUS, 8, _>(self, *v4));
+            }
+            #[cfg(target_arch = "x86_64")]
+            (Instructions::Widest, Arch::V4(v4)) => {
+                v4.vectorize(Compiled::<RADIUS, 16, _>(self, v4));
+            }
             #[cfg(target_arch = "x86_64")]
             (Instructions::Widest, Arch::V3(v3)) => {
-                v3.vectorize(Compiled::<RADIUS, _>(self, v3));
+                v3.vectorize(Compiled::<RADIUS, 8, _>(self, v3));
             }
-            _ => Compiled::<RADIUS, _>(self, Plain).call(),
+            _ => Compiled::<RADIUS, 8, _>(self, Plain).call(),
         }
     }
 }
 
-impl<const RADIUS: usize, M: Machine> NullaryFnOnce for Compiled<'_, RADIUS, M> {
+impl<const RADIUS: usize, const LANES: usize, M: Machine<LANES>> NullaryFnOnce
+    for Compiled<'_, RADIUS, LANES, M>
+{
     type Output = ();
 
     // Inlined into the function that is compiled for the vector unit; a call would leave it.
@@ -75,7 +87,14 @@ impl<const RADIUS: usize, M: Machine> NullaryFnOnce for Compiled<'_, RADIUS, M> 
         let machine = self.1;
         let stride = width * kernel.parts();
         for (row, out) in responses.chunks_exact_mut(stride).enumerate() {
-            kernel.respond_row::<RADIUS, M>(machine, image, width, from + row, out, workspace);
+            kernel.respond_row::<RADIUS, LANES, M>(
+                machine,
+                image,
+                width,
+                from + row,
+                out,
+                workspace,
+            );
         }
     }
 }

@@ -182,6 +182,61 @@ impl FilterBank {
         Ok(())
     }
 
+    /// The responses at the finest scale row by row, from the top, each handed over as soon as it is
+    /// there and then forgotten: `visit(y, row)`. In the row stand for each pixel the even (real) parts
+    /// of all orientations, then the odd (imaginary) ones.
+    ///
+    /// Responses of a whole image are 64 bytes a pixel for eight orientations, and writing them to
+    /// memory takes longer than the filters do. What needs them only once, or only near by, saves
+    /// that.
+    ///
+    /// ```
+    /// # use ndarray::Array2;
+    /// # use v1_gabor::{FilterBank, GaborParams, LumaImage, Size};
+    /// # let size = Size { width: 64, height: 48 };
+    /// # let bank = FilterBank::plan(GaborParams::default().fitted_to(size), size)?;
+    /// # let image = LumaImage::new(Array2::zeros(size.dim()))?;
+    /// let mut energy = 0.0;
+    /// bank.respond_by_rows(&image, &mut bank.workspace(), |_, row| {
+    ///     energy += row.iter().map(|part| part * part).sum::<f32>();
+    /// })?;
+    /// assert_eq!(energy, 0.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`WrongSize`] if the image has another size than the bank was planned for.
+    pub fn respond_by_rows(
+        &self,
+        image: &LumaImage,
+        workspace: &mut BankWorkspace,
+        mut visit: impl FnMut(usize, &[f32]),
+    ) -> Result<(), WrongSize> {
+        self.check_size(image)?;
+        if !workspace.fits(self.sizes(), &self.strip_kernel) {
+            *workspace = self.workspace();
+        }
+        let BankWorkspace {
+            bands, responses, ..
+        } = workspace;
+        responses.resize(self.size.width * 2 * self.params.orientations, 0.0);
+        if Rows::are_compiled_for(self.params.radius) {
+            for y in 0..self.size.height {
+                self.respond_at_rows(image.plane(), y, &mut bands[0], responses);
+                visit(y, responses);
+            }
+        } else {
+            let padded = pad(image.plane(), self.params.radius);
+            let pass = SeparablePass::new(&self.separable);
+            let mut between = pass.workspace(self.size.width);
+            for y in 0..self.size.height {
+                pass.respond_row(padded.view(), y, responses, &mut between);
+                visit(y, responses);
+            }
+        }
+        Ok(())
+    }
+
     /// The responses to a black image: what [`respond_into`](Self::respond_into) writes over.
     #[must_use]
     pub fn silence(&self) -> V1Responses {
@@ -209,28 +264,38 @@ impl FilterBank {
         bands: &mut [BandWorkspace],
         samples: &mut [f32],
     ) {
-        let radius = self.params.radius;
-        if !Rows::are_compiled_for(radius) {
+        if !Rows::are_compiled_for(self.params.radius) {
             return self.respond_plainly(plane, samples);
         }
         let (height, width) = plane.dim();
-        let image = plane.to_slice().expect("an image is contiguous");
         let rows = height.div_ceil(bands.len());
         samples
             .par_chunks_mut(rows * width * 2 * self.params.orientations)
             .zip(bands)
             .enumerate()
             .for_each(|(band, (responses, workspace))| {
-                let rows = Rows {
-                    kernel: &self.strip_kernel,
-                    image,
-                    width,
-                    from: band * rows,
-                    responses,
-                    workspace: &mut workspace.strips,
-                };
-                rows.respond(radius, self.instructions);
+                self.respond_at_rows(plane, band * rows, workspace, responses);
             });
+    }
+
+    /// The responses of the rows from `from` on, as many as `responses` holds.
+    fn respond_at_rows(
+        &self,
+        plane: ArrayView2<'_, f32>,
+        from: usize,
+        workspace: &mut BandWorkspace,
+        responses: &mut [f32],
+    ) {
+        let radius = self.params.radius;
+        let rows = Rows {
+            kernel: &self.strip_kernel,
+            image: plane.to_slice().expect("an image is contiguous"),
+            width: plane.dim().1,
+            from,
+            responses,
+            workspace: &mut workspace.strips,
+        };
+        rows.respond(radius, self.instructions);
     }
 
     /// The same by way of [`SeparablePass`], which any radius may take and which is the oracle of
@@ -335,6 +400,36 @@ mod tests {
                     prop_assert!(differences.iter().all(|d| d.norm() < 4e-6));
                 }
             }
+        }
+    }
+
+    /// Row by row or all at once: the same bits, with the fast pass and with the plain one.
+    #[test]
+    fn rows_are_those_of_the_whole() {
+        let size = Size {
+            width: 300,
+            height: 40,
+        };
+        let image = noise(size, 3);
+        for radius in [5, 9] {
+            let params = GaborParams {
+                radius,
+                scales: 1,
+                ..GaborParams::default()
+            };
+            let bank = FilterBank::plan(params, size).unwrap();
+            let whole = bank.respond(&image).unwrap();
+            let mut rows = 0;
+            bank.respond_by_rows(&image, &mut bank.workspace(), |y, row| {
+                assert_eq!(y, rows);
+                rows += 1;
+                for (x, parts) in row.chunks_exact(16).enumerate() {
+                    let pixel = whole.scales()[0].pixel(x, y);
+                    assert_eq!([pixel.even, pixel.odd].concat(), parts);
+                }
+            })
+            .unwrap();
+            assert_eq!(rows, size.height);
         }
     }
 

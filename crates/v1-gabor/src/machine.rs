@@ -1,24 +1,66 @@
-use crate::strip_kernel::{LANES, Lanes};
+use pulp::{Simd, f32x8, f32x16};
 
-/// What the fast pass leaves to the machine's own instructions; everything else the compiler finds.
-pub(crate) trait Machine: Copy {
+use crate::lanes::Lanes;
+
+/// What the fast pass asks of a machine: arithmetic on `LANES` values at a time.
+///
+/// A trait of its own, and not the vector library's, since the portable machine works on several
+/// lanes too, and since it has to turn rows into columns.
+pub(crate) trait Machine<const LANES: usize>: Copy {
+    /// As many values, in a register if the machine has one so wide.
+    type Vector: Copy;
+
+    fn load(self, values: &Lanes<LANES>) -> Self::Vector;
+
+    fn store(self, vector: Self::Vector) -> Lanes<LANES>;
+
+    fn add(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+
+    fn subtract(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+
+    fn multiply(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+
     /// `a b + c`: in one rounding where there is an instruction for it.
-    fn multiply_add(a: Lanes, b: Lanes, c: Lanes) -> Lanes;
+    fn multiply_add(self, a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector;
 
     /// Rows become columns.
-    #[inline(always)]
-    fn turn(self, rows: [Lanes; LANES]) -> [Lanes; LANES] {
-        std::array::from_fn(|y| std::array::from_fn(|x| rows[x][y]))
-    }
+    fn turn(self, rows: [Self::Vector; LANES]) -> [Self::Vector; LANES];
 }
 
 /// Any machine that the target is compiled for.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plain;
 
-impl Machine for Plain {
+impl Machine<8> for Plain {
+    type Vector = Lanes<8>;
+
     #[inline(always)]
-    fn multiply_add(a: Lanes, b: Lanes, c: Lanes) -> Lanes {
+    fn load(self, values: &Lanes<8>) -> Lanes<8> {
+        *values
+    }
+
+    #[inline(always)]
+    fn store(self, vector: Lanes<8>) -> Lanes<8> {
+        vector
+    }
+
+    #[inline(always)]
+    fn add(self, a: Lanes<8>, b: Lanes<8>) -> Lanes<8> {
+        std::array::from_fn(|i| a[i] + b[i])
+    }
+
+    #[inline(always)]
+    fn subtract(self, a: Lanes<8>, b: Lanes<8>) -> Lanes<8> {
+        std::array::from_fn(|i| a[i] - b[i])
+    }
+
+    #[inline(always)]
+    fn multiply(self, a: Lanes<8>, b: Lanes<8>) -> Lanes<8> {
+        std::array::from_fn(|i| a[i] * b[i])
+    }
+
+    #[inline(always)]
+    fn multiply_add(self, a: Lanes<8>, b: Lanes<8>, c: Lanes<8>) -> Lanes<8> {
         std::array::from_fn(|i| {
             // Where fusing is no instruction, it is a call, thirty times as slow.
             if cfg!(target_arch = "aarch64") {
@@ -28,21 +70,53 @@ impl Machine for Plain {
             }
         })
     }
+
+    #[inline(always)]
+    fn turn(self, rows: [Lanes<8>; 8]) -> [Lanes<8>; 8] {
+        std::array::from_fn(|y| std::array::from_fn(|x| rows[x][y]))
+    }
 }
 
 #[cfg(target_arch = "x86_64")]
-impl Machine for pulp::x86::V3 {
+impl Machine<8> for pulp::x86::V3 {
+    type Vector = f32x8;
+
     #[inline(always)]
-    fn multiply_add(a: Lanes, b: Lanes, c: Lanes) -> Lanes {
-        std::array::from_fn(|i| a[i].mul_add(b[i], c[i]))
+    fn load(self, values: &Lanes<8>) -> f32x8 {
+        pulp::cast(*values)
+    }
+
+    #[inline(always)]
+    fn store(self, vector: f32x8) -> Lanes<8> {
+        pulp::cast(vector)
+    }
+
+    #[inline(always)]
+    fn add(self, a: f32x8, b: f32x8) -> f32x8 {
+        self.add_f32s(a, b)
+    }
+
+    #[inline(always)]
+    fn subtract(self, a: f32x8, b: f32x8) -> f32x8 {
+        self.sub_f32s(a, b)
+    }
+
+    #[inline(always)]
+    fn multiply(self, a: f32x8, b: f32x8) -> f32x8 {
+        self.mul_f32s(a, b)
+    }
+
+    #[inline(always)]
+    fn multiply_add(self, a: f32x8, b: f32x8, c: f32x8) -> f32x8 {
+        self.mul_add_e_f32s(a, b, c)
     }
 
     /// Three rounds of pairwise shuffles, which the compiler does not find by itself.
     #[inline(always)]
-    fn turn(self, rows: [Lanes; LANES]) -> [Lanes; LANES] {
+    fn turn(self, rows: [f32x8; 8]) -> [f32x8; 8] {
         let avx = self.avx;
         let rows = rows.map(pulp::cast);
-        let pairs: [_; LANES] = std::array::from_fn(|i| {
+        let pairs: [_; 8] = std::array::from_fn(|i| {
             let (a, b) = (rows[i / 2 * 2], rows[i / 2 * 2 + 1]);
             match i % 2 {
                 0 => avx._mm256_unpacklo_ps(a, b),
@@ -50,7 +124,7 @@ impl Machine for pulp::x86::V3 {
             }
         });
         // Columns `c` and `c + 4` of the first four rows, then of the last four.
-        let fours: [_; LANES] = std::array::from_fn(|i| {
+        let fours: [_; 8] = std::array::from_fn(|i| {
             let pair = i / 4 * 4 + i % 4 / 2;
             let (a, b) = (pairs[pair], pairs[pair + 2]);
             match i % 2 {
@@ -68,17 +142,94 @@ impl Machine for pulp::x86::V3 {
     }
 }
 
+#[cfg(target_arch = "x86_64")]
+impl Machine<16> for pulp::x86::V4 {
+    type Vector = f32x16;
+
+    #[inline(always)]
+    fn load(self, values: &Lanes<16>) -> f32x16 {
+        pulp::cast(*values)
+    }
+
+    #[inline(always)]
+    fn store(self, vector: f32x16) -> Lanes<16> {
+        pulp::cast(vector)
+    }
+
+    #[inline(always)]
+    fn add(self, a: f32x16, b: f32x16) -> f32x16 {
+        self.add_f32s(a, b)
+    }
+
+    #[inline(always)]
+    fn subtract(self, a: f32x16, b: f32x16) -> f32x16 {
+        self.sub_f32s(a, b)
+    }
+
+    #[inline(always)]
+    fn multiply(self, a: f32x16, b: f32x16) -> f32x16 {
+        self.mul_f32s(a, b)
+    }
+
+    #[inline(always)]
+    fn multiply_add(self, a: f32x16, b: f32x16, c: f32x16) -> f32x16 {
+        self.mul_add_e_f32s(a, b, c)
+    }
+
+    /// Four rounds of pairwise shuffles.
+    #[inline(always)]
+    fn turn(self, rows: [f32x16; 16]) -> [f32x16; 16] {
+        let avx512 = self.avx512f;
+        let mut turned = [pulp::cast(rows[0]); 16];
+        for i in 0..16 {
+            turned[i] = pulp::cast(rows[i]);
+        }
+        let before = turned;
+        for i in 0..8 {
+            let (a, b) = (before[2 * i], before[2 * i + 1]);
+            turned[2 * i] = avx512._mm512_unpacklo_ps(a, b);
+            turned[2 * i + 1] = avx512._mm512_unpackhi_ps(a, b);
+        }
+        // In quarter `c` of vector `4 group + i`: column `4 c + i` of four rows.
+        let before = turned;
+        for group in 0..4 {
+            for i in 0..2 {
+                let (a, b) = (before[4 * group + i], before[4 * group + 2 + i]);
+                turned[4 * group + 2 * i] = avx512._mm512_shuffle_ps::<0b01_00_01_00>(a, b);
+                turned[4 * group + 2 * i + 1] = avx512._mm512_shuffle_ps::<0b11_10_11_10>(a, b);
+            }
+        }
+        // Quarters 0 and 2, and then 1 and 3, of eight rows.
+        let before = turned;
+        for half in 0..2 {
+            for i in 0..4 {
+                let (a, b) = (before[8 * half + i], before[8 * half + 4 + i]);
+                turned[8 * half + i] = avx512._mm512_shuffle_f32x4::<0b10_00_10_00>(a, b);
+                turned[8 * half + 4 + i] = avx512._mm512_shuffle_f32x4::<0b11_01_11_01>(a, b);
+            }
+        }
+        let before = turned;
+        let mut columns = rows;
+        for i in 0..8 {
+            let (a, b) = (before[i], before[8 + i]);
+            columns[i] = pulp::cast(avx512._mm512_shuffle_f32x4::<0b10_00_10_00>(a, b));
+            columns[8 + i] = pulp::cast(avx512._mm512_shuffle_f32x4::<0b11_01_11_01>(a, b));
+        }
+        columns
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn turns(machine: impl Machine) {
-        let rows: [Lanes; LANES] =
+    fn turns<const LANES: usize>(machine: impl Machine<LANES>) {
+        let rows: [Lanes<LANES>; LANES] =
             std::array::from_fn(|y| std::array::from_fn(|x| (y * LANES + x) as f32));
-        let turned = machine.turn(rows);
+        let turned = machine.turn(std::array::from_fn(|y| machine.load(&rows[y])));
         for y in 0..LANES {
             for x in 0..LANES {
-                assert_eq!(turned[y][x], rows[x][y]);
+                assert_eq!(machine.store(turned[y])[x], rows[x][y]);
             }
         }
     }
@@ -87,8 +238,13 @@ mod tests {
     fn rows_become_columns() {
         turns(Plain);
         #[cfg(target_arch = "x86_64")]
-        if let pulp::Arch::V3(v3) = pulp::Arch::new() {
-            turns(v3);
+        {
+            if let Some(v3) = pulp::x86::V3::try_new() {
+                turns(v3);
+            }
+            if let Some(v4) = pulp::x86::V4::try_new() {
+                turns(v4);
+            }
         }
     }
 }

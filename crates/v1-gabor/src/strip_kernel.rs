@@ -1,26 +1,9 @@
+use crate::lanes::{
+    EMPTY, Lanes, MOST_LANES, Neighbours, Row, STRIP, SpreadKernel, lanes_at, lanes_at_mut,
+};
 use crate::machine::Machine;
-use crate::separable::{Kernel, Parity, Separable, Term};
-
-/// How many neighbouring pixels are filtered together: one AVX vector, two of SSE or NEON.
-pub(crate) const LANES: usize = 8;
-
-/// One value for each of [`LANES`] neighbouring pixels.
-pub(crate) type Lanes = [f32; LANES];
-
-/// Columns filtered before the next: the vertical kernels' rows of one strip stay in the first
-/// cache.
-pub(crate) const STRIP: usize = 256;
-
-/// Values that one step of the horizontal kernels sees: [`LANES`] and the taps on either side. A
-/// power of two above what is needed, so that offsets into it need no check.
-const WINDOW: usize = 32;
-
-/// The most taps on either side that the fast pass is compiled for.
-pub(crate) const MOST_RADIUS: usize = 7;
-
-/// Values from one vertical kernel's row to the next: a strip, the taps on either side, and what
-/// the last window reads beyond. Not a multiple of 1024, which would crowd a few cache sets.
-const ROW: usize = STRIP + 2 * WINDOW + 16;
+use crate::quadrature::Quadrature;
+use crate::separable::{Parity, Separable, Term};
 
 /// The work of a separable bank in the order in which the fast pass does it.
 ///
@@ -29,8 +12,26 @@ const ROW: usize = STRIP + 2 * WINDOW + 16;
 #[derive(Clone, Debug)]
 pub(crate) struct StripKernel {
     radius: usize,
-    products: usize,
+    /// Vertical kernels, each of which gives a row.
+    rows: usize,
+    /// Parts of a response: two an orientation.
+    parts: usize,
     vertical: Stage,
+    across: Across,
+}
+
+/// The way from the vertical kernels' rows to the parts of the responses.
+#[derive(Clone, Debug)]
+enum Across {
+    /// Gabor filters: each row serves one orientation and its mirror image.
+    Quadrature(Vec<Quadrature>),
+    /// Any separable bank: all products first, then their weighted sums.
+    Products(Products),
+}
+
+#[derive(Clone, Debug)]
+struct Products {
+    products: usize,
     /// For each row that the vertical kernels give, in their order, even ones first.
     horizontal: Vec<Stage>,
     /// For each part of a response, even parts first.
@@ -40,36 +41,31 @@ pub(crate) struct StripKernel {
 /// Kernels that are applied at one place.
 #[derive(Clone, Debug, Default)]
 struct Stage {
-    even: Vec<SpreadKernel>,
-    odd: Vec<SpreadKernel>,
+    even: Vec<PlacedKernel>,
+    odd: Vec<PlacedKernel>,
 }
 
-/// A kernel with each tap repeated over the lanes, and where its result goes.
+/// A kernel and where its result goes.
 #[derive(Clone, Debug)]
-struct SpreadKernel {
-    /// At `0..=radius` from the centre. Kept in place rather than behind a pointer, as the loops
-    /// over kernels are short.
-    taps: [Lanes; MOST_RADIUS + 1],
+struct PlacedKernel {
+    kernel: SpreadKernel,
     place: usize,
 }
 
-/// How one part of a response is put together: two weighted products, which is all that a Gabor
-/// filter needs, and what a steerable one needs beyond.
+/// How one part of a response is put together, as weighted products.
 #[derive(Clone, Debug)]
 struct PartRecipe {
-    first: (Lanes, usize),
-    /// Weighs nothing if there is but one product.
-    second: (Lanes, usize),
-    others: Vec<(Lanes, usize)>,
+    first: (Lanes<MOST_LANES>, usize),
+    others: Vec<(Lanes<MOST_LANES>, usize)>,
 }
 
 /// What the fast pass keeps between its steps; planned once, used for any number of rows.
 #[derive(Clone, Debug)]
 pub(crate) struct StripWorkspace {
-    /// The rows that the vertical kernels give, [`ROW`] values each.
-    rows: Vec<f32>,
-    products: Vec<Lanes>,
-    parts: Vec<Lanes>,
+    /// What the vertical kernels give.
+    rows: Vec<Row>,
+    products: Vec<Row>,
+    parts: Vec<Row>,
 }
 
 impl StripKernel {
@@ -85,52 +81,63 @@ impl StripKernel {
         let stage = |kernels: &mut dyn Iterator<Item = (usize, usize)>| {
             let mut stage = Stage::default();
             for (kernel, place) in kernels {
-                let spread = SpreadKernel::new(&bank.kernels[kernel], place);
+                let placed = PlacedKernel {
+                    kernel: SpreadKernel::new(&bank.kernels[kernel], 1.0),
+                    place,
+                };
                 match parity(kernel) {
-                    Parity::Even => stage.even.push(spread),
-                    Parity::Odd => stage.odd.push(spread),
+                    Parity::Even => stage.even.push(placed),
+                    Parity::Odd => stage.odd.push(placed),
                 }
             }
             stage
         };
-        let horizontal = vertical.iter().map(|&source| {
-            let fed = bank.products.iter().enumerate();
-            let fed = fed.filter(|(_, product)| product.vertical == source);
-            stage(&mut fed.map(|(place, product)| (product.horizontal, place)))
-        });
-        let even = bank
-            .recipes
-            .iter()
-            .map(|recipe| PartRecipe::new(&recipe.even));
-        let odd = bank
-            .recipes
-            .iter()
-            .map(|recipe| PartRecipe::new(&recipe.odd));
+        let across = Quadrature::of(bank, &vertical).map_or_else(
+            || {
+                let horizontal = vertical.iter().map(|&source| {
+                    let fed = bank.products.iter().enumerate();
+                    let fed = fed.filter(|(_, product)| product.vertical == source);
+                    stage(&mut fed.map(|(place, product)| (product.horizontal, place)))
+                });
+                let even = bank.recipes.iter().map(|r| PartRecipe::new(&r.even));
+                let odd = bank.recipes.iter().map(|r| PartRecipe::new(&r.odd));
+                Across::Products(Products {
+                    products: bank.products.len(),
+                    horizontal: horizontal.collect(),
+                    parts: even.chain(odd).collect(),
+                })
+            },
+            Across::Quadrature,
+        );
         Self {
             radius: bank.radius(),
-            products: bank.products.len(),
-            horizontal: horizontal.collect(),
+            parts: 2 * bank.recipes.len(),
+            rows: vertical.len(),
             vertical: stage(&mut vertical.iter().copied().zip(0..)),
-            parts: even.chain(odd).collect(),
+            across,
         }
     }
 
     /// Parts of a response: two an orientation.
     pub(crate) const fn parts(&self) -> usize {
-        self.parts.len()
+        self.parts
     }
 
-    /// What the size of a workspace depends on: vertical kernels, products
-    /// and parts.
+    /// What the size of a workspace depends on: vertical kernels, products and parts.
     pub(crate) fn shape(&self) -> (usize, usize, usize) {
-        (self.horizontal.len(), self.products, self.parts())
+        let products = match &self.across {
+            Across::Quadrature(_) => 0,
+            Across::Products(across) => across.products,
+        };
+        (self.rows, products, self.parts)
     }
 
     pub(crate) fn workspace(&self) -> StripWorkspace {
+        let (rows, products, parts) = self.shape();
         StripWorkspace {
-            rows: vec![0.0; self.horizontal.len() * ROW],
-            products: vec![[0.0; LANES]; self.products],
-            parts: vec![[0.0; LANES]; self.parts.len()],
+            rows: vec![EMPTY; rows],
+            products: vec![EMPTY; products],
+            parts: vec![EMPTY; parts],
         }
     }
 
@@ -139,7 +146,7 @@ impl StripKernel {
     ///
     /// `RADIUS` is the bank's.
     #[inline(always)]
-    pub(crate) fn respond_row<const RADIUS: usize, M: Machine>(
+    pub(crate) fn respond_row<const RADIUS: usize, const LANES: usize, M: Machine<LANES>>(
         &self,
         machine: M,
         image: &[f32],
@@ -165,26 +172,38 @@ impl StripKernel {
         let stride = self.parts();
         for start in (0..width).step_by(STRIP) {
             let end = (start + STRIP).min(width);
-            self.filter_down::<RADIUS, M>(centre, &above, &below, (start, end), rows);
-            let strip = &mut responses[start * stride..end * stride];
-            for (block, out) in strip.chunks_mut(LANES * stride).enumerate() {
-                self.filter_across::<RADIUS, M>(rows, block * LANES, products);
-                self.combine::<M>(products, parts);
-                interleave(machine, parts, out);
+            self.filter_down::<RADIUS, LANES, M>(
+                machine,
+                centre,
+                (&above, &below),
+                (start, end),
+                rows,
+            );
+            match &self.across {
+                Across::Quadrature(pairs) => {
+                    for pair in pairs {
+                        pair.filter::<RADIUS, LANES, M>(machine, rows, end - start, parts);
+                    }
+                }
+                Across::Products(across) => {
+                    across.filter::<RADIUS, LANES, M>(machine, rows, end - start, products);
+                    across.combine(machine, products, end - start, parts);
+                }
             }
+            interleave(machine, parts, &mut responses[start * stride..end * stride]);
         }
     }
 
     /// The vertical kernels over the columns of one strip and the taps beside it; column `start`
     /// comes to lie at `RADIUS` of each row. Beyond the image's border the last column is repeated.
     #[inline(always)]
-    fn filter_down<const RADIUS: usize, M: Machine>(
+    fn filter_down<const RADIUS: usize, const LANES: usize, M: Machine<LANES>>(
         &self,
+        machine: M,
         centre: &[f32],
-        above: &[&[f32]; RADIUS],
-        below: &[&[f32]; RADIUS],
+        (above, below): (&[&[f32]; RADIUS], &[&[f32]; RADIUS]),
         (start, end): (usize, usize),
-        rows: &mut [f32],
+        rows: &mut [Row],
     ) {
         let width = centre.len();
         let from = start.saturating_sub(RADIUS);
@@ -193,22 +212,30 @@ impl StripKernel {
         let place = |x: usize| x + RADIUS - start;
         let mut x = from;
         while x < to && x + LANES <= width {
-            self.filter_down_at::<RADIUS, M>(
-                lanes(centre, x),
-                std::array::from_fn(|k| (lanes(above[k], x), lanes(below[k], x))),
-                (place(x), &mut *rows),
-            );
+            let middle = machine.load(lanes_at(centre, x));
+            let mut pairs = [(middle, middle); RADIUS];
+            for k in 0..RADIUS {
+                pairs[k] = (
+                    machine.load(lanes_at(above[k], x)),
+                    machine.load(lanes_at(below[k], x)),
+                );
+            }
+            self.filter_down_at::<RADIUS, LANES, M>(machine, middle, &pairs, place(x), rows);
             x += LANES;
         }
         // The image ends within the lanes.
         if x < to {
-            self.filter_down_at::<RADIUS, M>(
-                last_lanes(centre, x),
-                std::array::from_fn(|k| (last_lanes(above[k], x), last_lanes(below[k], x))),
-                (place(x), &mut *rows),
-            );
+            let middle = machine.load(&last_lanes(centre, x));
+            let mut pairs = [(middle, middle); RADIUS];
+            for k in 0..RADIUS {
+                pairs[k] = (
+                    machine.load(&last_lanes(above[k], x)),
+                    machine.load(&last_lanes(below[k], x)),
+                );
+            }
+            self.filter_down_at::<RADIUS, LANES, M>(machine, middle, &pairs, place(x), rows);
         }
-        for row in rows.chunks_exact_mut(ROW) {
+        for row in rows {
             let first = row[place(from)];
             row[..place(from)].fill(first);
             let last = row[place(to) - 1];
@@ -216,54 +243,62 @@ impl StripKernel {
         }
     }
 
-    /// The vertical kernels at [`LANES`] columns: the middle row, and the rows above and below it by
+    /// The vertical kernels at as many columns as there are lanes: the middle row, and the rows above and below it by
     /// their distance.
     #[inline(always)]
-    fn filter_down_at<const RADIUS: usize, M: Machine>(
+    fn filter_down_at<const RADIUS: usize, const LANES: usize, M: Machine<LANES>>(
         &self,
-        middle: Lanes,
-        pairs: [(Lanes, Lanes); RADIUS],
-        (place, rows): (usize, &mut [f32]),
+        machine: M,
+        middle: M::Vector,
+        pairs: &[(M::Vector, M::Vector); RADIUS],
+        place: usize,
+        rows: &mut [Row],
     ) {
-        let sums: [Lanes; RADIUS] = std::array::from_fn(|k| add(pairs[k].1, pairs[k].0));
-        let differences: [Lanes; RADIUS] =
-            std::array::from_fn(|k| subtract(pairs[k].1, pairs[k].0));
-        let (even, odd) = rows.split_at_mut(self.vertical.even.len() * ROW);
-        for (kernel, row) in self.vertical.even.iter().zip(even.chunks_exact_mut(ROW)) {
-            let value = kernel.even::<RADIUS, M>(middle, &sums);
-            row[place..place + LANES].copy_from_slice(&value);
+        let mut sums = [middle; RADIUS];
+        let mut differences = [middle; RADIUS];
+        for k in 0..RADIUS {
+            sums[k] = machine.add(pairs[k].1, pairs[k].0);
+            differences[k] = machine.subtract(pairs[k].1, pairs[k].0);
         }
-        for (kernel, row) in self.vertical.odd.iter().zip(odd.chunks_exact_mut(ROW)) {
-            let value = kernel.odd::<RADIUS, M>(&differences);
-            row[place..place + LANES].copy_from_slice(&value);
+        let (even, odd) = rows.split_at_mut(self.vertical.even.len());
+        for (PlacedKernel { kernel, .. }, row) in self.vertical.even.iter().zip(even) {
+            let value = kernel.even::<RADIUS, LANES, M>(machine, middle, &sums);
+            *lanes_at_mut(row, place) = machine.store(value);
+        }
+        for (PlacedKernel { kernel, .. }, row) in self.vertical.odd.iter().zip(odd) {
+            let value = kernel.odd::<RADIUS, LANES, M>(machine, &differences);
+            *lanes_at_mut(row, place) = machine.store(value);
         }
     }
+}
 
-    /// The products at [`LANES`] pixels, `x` pixels into the strip.
+impl Products {
+    /// The products of a strip, from the rows that the vertical kernels gave.
     #[inline(always)]
-    fn filter_across<const RADIUS: usize, M: Machine>(
+    fn filter<const RADIUS: usize, const LANES: usize, M: Machine<LANES>>(
         &self,
-        rows: &[f32],
-        x: usize,
-        products: &mut [Lanes],
+        machine: M,
+        rows: &[Row],
+        width: usize,
+        products: &mut [Row],
     ) {
-        for (stage, row) in self.horizontal.iter().zip(rows.chunks_exact(ROW)) {
-            let (window, _) = row[x..]
-                .split_first_chunk::<WINDOW>()
-                .expect("a row is a window longer than a strip");
-            let side = |offset: usize| -> Lanes { std::array::from_fn(|i| window[offset + i]) };
-            if !stage.even.is_empty() {
-                let sums: [Lanes; RADIUS] =
-                    std::array::from_fn(|k| add(side(RADIUS + 1 + k), side(RADIUS - 1 - k)));
-                for kernel in &stage.even {
-                    products[kernel.place] = kernel.even::<RADIUS, M>(side(RADIUS), &sums);
+        for (stage, row) in self.horizontal.iter().zip(rows) {
+            for x in (0..width).step_by(LANES) {
+                let seen = Neighbours::at(row, x);
+                if !stage.even.is_empty() {
+                    let middle = seen.middle::<RADIUS, LANES, M>(machine);
+                    let sums = seen.sums(machine);
+                    for PlacedKernel { kernel, place } in &stage.even {
+                        let value = kernel.even::<RADIUS, LANES, M>(machine, middle, &sums);
+                        *lanes_at_mut(&mut products[*place], x) = machine.store(value);
+                    }
                 }
-            }
-            if !stage.odd.is_empty() {
-                let differences: [Lanes; RADIUS] =
-                    std::array::from_fn(|k| subtract(side(RADIUS + 1 + k), side(RADIUS - 1 - k)));
-                for kernel in &stage.odd {
-                    products[kernel.place] = kernel.odd::<RADIUS, M>(&differences);
+                if !stage.odd.is_empty() {
+                    let differences = seen.differences(machine);
+                    for PlacedKernel { kernel, place } in &stage.odd {
+                        let value = kernel.odd::<RADIUS, LANES, M>(machine, &differences);
+                        *lanes_at_mut(&mut products[*place], x) = machine.store(value);
+                    }
                 }
             }
         }
@@ -271,108 +306,73 @@ impl StripKernel {
 
     /// The parts of the responses from the products.
     #[inline(always)]
-    fn combine<M: Machine>(&self, products: &[Lanes], parts: &mut [Lanes]) {
+    fn combine<const LANES: usize, M: Machine<LANES>>(
+        &self,
+        machine: M,
+        products: &[Row],
+        width: usize,
+        parts: &mut [Row],
+    ) {
         for (recipe, part) in self.parts.iter().zip(parts) {
-            let (weight, product) = recipe.first;
-            let mut sum = multiply(weight, products[product]);
-            let (weight, product) = recipe.second;
-            sum = M::multiply_add(weight, products[product], sum);
-            for &(weight, product) in &recipe.others {
-                sum = M::multiply_add(weight, products[product], sum);
+            for x in (0..width).step_by(LANES) {
+                let (weight, product) = &recipe.first;
+                let product = machine.load(lanes_at(&products[*product], x));
+                let mut sum = machine.multiply(machine.load(lanes_at(weight, 0)), product);
+                for (weight, product) in &recipe.others {
+                    let product = machine.load(lanes_at(&products[*product], x));
+                    sum = machine.multiply_add(machine.load(lanes_at(weight, 0)), product, sum);
+                }
+                *lanes_at_mut(part, x) = machine.store(sum);
             }
-            *part = sum;
         }
     }
 }
 
 impl PartRecipe {
     fn new(terms: &[Term]) -> Self {
-        let mut terms = terms.iter().map(|t| ([t.weight; LANES], t.product));
-        let nothing = ([0.0; LANES], 0);
+        let mut terms = terms.iter().map(|t| ([t.weight; MOST_LANES], t.product));
         Self {
-            first: terms.next().unwrap_or(nothing),
-            second: terms.next().unwrap_or(nothing),
+            first: terms.next().unwrap_or(([0.0; MOST_LANES], 0)),
             others: terms.collect(),
         }
     }
 }
 
-impl SpreadKernel {
-    fn new(kernel: &Kernel, place: usize) -> Self {
-        Self {
-            taps: std::array::from_fn(|k| [kernel.taps.get(k).copied().unwrap_or(0.0); LANES]),
-            place,
-        }
-    }
-
-    #[inline(always)]
-    fn even<const RADIUS: usize, M: Machine>(
-        &self,
-        middle: Lanes,
-        sums: &[Lanes; RADIUS],
-    ) -> Lanes {
-        let mut value = multiply(self.taps[0], middle);
-        for k in 0..RADIUS {
-            value = M::multiply_add(self.taps[k + 1], sums[k], value);
-        }
-        value
-    }
-
-    #[inline(always)]
-    fn odd<const RADIUS: usize, M: Machine>(&self, differences: &[Lanes; RADIUS]) -> Lanes {
-        let mut value = multiply(self.taps[1], differences[0]);
-        for k in 1..RADIUS {
-            value = M::multiply_add(self.taps[k + 1], differences[k], value);
-        }
-        value
-    }
-}
-
 /// Writes parts `[[part, pixel]]` as `[[pixel, part]]`, as many pixels as `out` has.
 #[inline(always)]
-fn interleave<M: Machine>(machine: M, parts: &[Lanes], out: &mut [f32]) {
-    if let (Ok(parts), Ok(out)) = (
-        <&[Lanes; 16]>::try_from(parts),
-        <&mut [f32; 16 * LANES]>::try_from(&mut *out),
-    ) {
-        for half in 0..2 {
-            let turned = machine.turn(std::array::from_fn(|part| parts[half * LANES + part]));
-            for (pixel, values) in turned.iter().enumerate() {
-                out[16 * pixel + LANES * half..][..LANES].copy_from_slice(values);
+fn interleave<const LANES: usize, M: Machine<LANES>>(machine: M, parts: &[Row], out: &mut [f32]) {
+    let stride = parts.len();
+    let whole = out.len() / stride / LANES * LANES;
+    let (blocks, rest) = out.split_at_mut(whole * stride);
+    for (block, out) in blocks.chunks_exact_mut(LANES * stride).enumerate() {
+        let (squares, others) = parts.as_chunks::<LANES>();
+        for (square, parts) in squares.iter().enumerate() {
+            let mut rows = [machine.load(lanes_at(&parts[0], block * LANES)); LANES];
+            for part in 1..LANES {
+                rows[part] = machine.load(lanes_at(&parts[part], block * LANES));
+            }
+            let pixels = machine.turn(rows);
+            for pixel in 0..LANES {
+                let out = lanes_at_mut(out, pixel * stride + square * LANES);
+                *out = machine.store(pixels[pixel]);
             }
         }
-    } else {
-        for (pixel, out) in out.chunks_exact_mut(parts.len()).enumerate() {
-            for (value, part) in out.iter_mut().zip(parts) {
-                *value = part[pixel];
+        let first = stride - others.len();
+        for (pixel, out) in out.chunks_exact_mut(stride).enumerate() {
+            for (value, part) in out[first..].iter_mut().zip(others) {
+                *value = part[block * LANES + pixel];
             }
         }
     }
-}
-
-#[inline(always)]
-fn lanes(row: &[f32], x: usize) -> Lanes {
-    let row = &row[x..x + LANES];
-    std::array::from_fn(|i| row[i])
+    for (x, out) in rest.chunks_exact_mut(stride).enumerate() {
+        for (value, part) in out.iter_mut().zip(parts) {
+            *value = part[whole + x];
+        }
+    }
 }
 
 /// The last values of a row that ends within the lanes, and zeros.
 #[inline(always)]
-fn last_lanes(row: &[f32], x: usize) -> Lanes {
+fn last_lanes<const LANES: usize>(row: &[f32], x: usize) -> Lanes<LANES> {
     std::array::from_fn(|i| row.get(x + i).copied().unwrap_or(0.0))
-}
-
-#[inline(always)]
-fn add(a: Lanes, b: Lanes) -> Lanes {
-    std::array::from_fn(|i| a[i] + b[i])
-}
-
-#[inline(always)]
-fn subtract(a: Lanes, b: Lanes) -> Lanes {
-    std::array::from_fn(|i| a[i] - b[i])
-}
-
-#[inline(always)]
-fn multiply(a: Lanes, b: Lanes) -> Lanes {
-    std::array::from_fn(|i| a[i] * b[i])
 }
