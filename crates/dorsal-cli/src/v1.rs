@@ -10,6 +10,9 @@ use crate::v1_arguments::{Bank, V1Arguments};
 use crate::v1_files::{congruency_files, monogenic_files, response_files};
 use crate::v1_record::V1Record;
 
+/// What noise alone adds up to over all scales, in units of luma: two and a half grey levels of 256.
+const NOISE: f32 = 0.01;
+
 /// `dorsal v1`: filters one picture and writes what is found.
 pub(crate) fn v1(arguments: &V1Arguments, out: &mut dyn Write) -> anyhow::Result<()> {
     arguments.threads.install()?;
@@ -29,13 +32,17 @@ pub(crate) fn v1(arguments: &V1Arguments, out: &mut dyn Write) -> anyhow::Result
     match &bank {
         Bank::Oriented(bank) => {
             let responses = times.measure("responses", || bank.respond(picture.luma()))?;
+            console.step("finding edges");
+            // One scale agrees with itself everywhere, so that nothing would be said.
+            let congruency = (responses.scales().len() > 1)
+                .then(|| times.measure("edges", || responses.phase_congruency(NOISE)));
             console.step("writing");
             let mut files = Outputs::default();
             for (scale, responses) in responses.scales().iter().enumerate() {
                 response_files(&mut files, scale, responses);
             }
-            if responses.scales().len() > 1 {
-                congruency_files(&mut files, &responses);
+            if let Some(congruency) = &congruency {
+                congruency_files(&mut files, congruency);
             }
             record.write(files, times, arguments, &console, out)
         }

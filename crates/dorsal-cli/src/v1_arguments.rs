@@ -92,7 +92,7 @@ Q * 180 / N degrees, 0 along x and 90 down):
                              grey near singularities
   scaleS_singular.npy, .png  bool (orientation, y, x): where a phase means nothing (tau 1.25)
   congruency.npy, .png       float32 (y, x), 0 to 1: phase congruency over all scales: edges, lines
-                             (two scales or more)
+                             (two scales or more; noise T = 0.01)
 with --family sqf
   scaleS_monogenic.npy       float32 (3, y, x): even part, Riesz parts along x and y
   scaleS_monogenic.png       the three side by side, positive red, negative blue green

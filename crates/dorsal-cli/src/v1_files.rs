@@ -1,4 +1,4 @@
-use dorsal::v1_gabor::{MonogenicPlanes, Responses, V1Responses};
+use dorsal::v1_gabor::{MonogenicPlanes, Responses};
 use ndarray::{Array2, Array3, Array4, Axis, stack};
 use stereo_formats::{NotAPng, npy, picture, v1_picture};
 
@@ -62,14 +62,13 @@ pub(crate) fn response_files<'a>(files: &mut Outputs<'a>, scale: usize, response
     add.png("singular", || v1_picture::singularities(responses, TAU));
 }
 
-/// Adds the files of what all scales say together.
-pub(crate) fn congruency_files<'a>(files: &mut Outputs<'a>, responses: &'a V1Responses) {
+/// Adds the files of the phase congruency over all scales.
+pub(crate) fn congruency_files<'a>(files: &mut Outputs<'a>, congruency: &'a Array2<f32>) {
     files.add("congruency.npy", || {
-        anyhow::Ok(npy::encode(responses.phase_congruency(0.0).view()))
+        anyhow::Ok(npy::encode(congruency.view()))
     });
     files.add("congruency.png", || {
-        let congruency = responses.phase_congruency(0.0);
-        picture::encode_rgb(v1_picture::phase_congruency(&congruency).view())
+        picture::encode_rgb(v1_picture::phase_congruency(congruency).view())
     });
 }
 

@@ -51,8 +51,8 @@ pub fn paint(plane: ArrayView2<'_, Complex32>, full: f32) -> Array2<[u8; 3]> {
     plane.mapv(|number| of(number, full))
 }
 
-/// A length of full brightness for these numbers: all but the longest hundredth are below it, which
-/// a few wild ones would darken. 1 if none is longer than 0.
+/// A length of full brightness for these numbers: all but the longest twentieth are below it, as a
+/// few strong edges would darken the rest. 1 if none is longer than 0.
 #[must_use]
 pub fn full_brightness(numbers: impl IntoIterator<Item = Complex32>) -> f32 {
     let mut lengths: Vec<f32> = numbers
@@ -60,7 +60,7 @@ pub fn full_brightness(numbers: impl IntoIterator<Item = Complex32>) -> f32 {
         .map(Complex32::norm)
         .filter(|length| length.is_finite())
         .collect();
-    let place = lengths.len().saturating_sub(1 + lengths.len() / 100);
+    let place = lengths.len().saturating_sub(1 + lengths.len() / 20);
     if lengths.is_empty() {
         return 1.0;
     }

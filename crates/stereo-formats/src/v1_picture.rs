@@ -11,7 +11,7 @@ use crate::{hue, scale_bar};
 /// Pictures of a sheet in one row.
 const COLUMNS: usize = 4;
 /// Longest side of a picture on a sheet, in pixels.
-const MOST: usize = 320;
+const MOST: usize = 640;
 /// Energy below which a picture tells no differences: that of a grating of a fiftieth of a grey
 /// level of 256.
 const FAINTEST_ENERGY: f32 = 1e-9;
