@@ -151,7 +151,7 @@ fn spherical_bank(params: MonogenicParams) -> anyhow::Result<Array2<[u8; 3]>> {
     let seen = bank.respond(&LumaImage::new(point)?)?;
     let planes = &seen.scales()[0];
     // What a point answers with is the filter in a mirror; correlation mirrors it again.
-    let filter = |plane: ArrayView2<'_, f32>| plane.slice(s![23..=39;-1, 23..=39;-1]).to_owned();
+    let filter = |plane: ArrayView2<'_, f32>| plane.slice(s![26..=36;-1, 26..=36;-1]).to_owned();
     let filters = [planes.even(), planes.along_x(), planes.along_y()].map(filter);
     let loudest = filters
         .iter()

@@ -235,9 +235,11 @@ fn table_1(data: &Path, options: &Options) -> anyhow::Result<()> {
     }
     progress.finish_and_clear();
     println!(
-        "Table 1, textured pixels (density)\n{}\nTable 1, visible pixels (density)\n{}",
+        "Table 1, textured pixels (density)\n{}\nTable 1, visible pixels (density)\n{}\n\
+         Table 1, textured pixels that every family calls valid\n{}",
         table_1_page::side_by_side(&run.scenes, |row| row.textured),
         table_1_page::side_by_side(&run.scenes, |row| row.visible),
+        table_1_page::side_by_side(&run.scenes, |row| row.common),
     );
     if let Some(path) = &options.json {
         write_file(path, &serde_json::to_vec_pretty(&run)?)?;

@@ -32,12 +32,14 @@ pub(crate) struct SceneRun {
     pub(crate) phases: Vec<(Filters, Option<PhaseStatistics>)>,
 }
 
-/// One row over one scene: the valid pixels over two masks.
+/// One row over one scene: the valid pixels over three masks.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(crate) struct RowRun {
     pub(crate) row: Row,
     pub(crate) textured: Option<Metrics>,
     pub(crate) visible: Option<Metrics>,
+    /// Textured, and called valid by every family under the table's protocol.
+    pub(crate) common: Option<Metrics>,
 }
 
 impl Table1Run {
@@ -76,19 +78,31 @@ impl SceneRun {
         let pair = scene.pair()?;
         let masks = Masks::of(scene, truth.view(), pair.left.rgb())?;
         let eyes = pair.map(Picture::into_luma);
-        let run = |row: Row| {
-            let field = row.look(&eyes)?;
-            let d = file_sign::d_of_field(&field, false);
+        let look = |row: Row| {
+            let field = row
+                .look(&eyes)
+                .with_context(|| format!("row {}", row.filters.name()))?;
+            anyhow::Ok((row, file_sign::d_of_field(&field, false)))
+        };
+        let looks: Vec<(Row, Array2<f32>)> = Table1Run::rows()
+            .into_iter()
+            .map(look)
+            .collect::<anyhow::Result<_>>()?;
+        let mut common = masks.textured.clone();
+        for (row, d) in &looks {
+            if row.matcher == Matcher::Published {
+                common.zip_mut_with(d, |common, d| *common &= d.is_finite());
+            }
+        }
+        let rows = looks.iter().map(|(row, d)| {
             let over = |mask: &Array2<bool>| Metrics::of(d.view(), truth.view(), mask.view());
-            anyhow::Ok(RowRun {
-                row,
+            RowRun {
+                row: *row,
                 textured: over(&masks.textured),
                 visible: over(&masks.visible),
-            })
-        };
-        let rows = Table1Run::rows()
-            .into_iter()
-            .map(|row| run(row).with_context(|| format!("row {}", row.filters.name())));
+                common: over(&common),
+            }
+        });
         let threshold = Matcher::Published.params().energy_threshold;
         let phases = Filters::ALL.into_iter().filter_map(|filters| {
             let responses = filters.respond(&eyes).transpose()?;
@@ -100,7 +114,7 @@ impl SceneRun {
         Ok(Self {
             scene: scene.description.name.clone(),
             integer_truth: scene.description.integer_truth,
-            rows: rows.collect::<anyhow::Result<_>>()?,
+            rows: rows.collect(),
             phases: phases.collect::<anyhow::Result<_>>()?,
         })
     }
