@@ -28,6 +28,7 @@ pixel is heard if its own energy is.
 - **PBBDE** is the vector pyramid over Gabor responses. The paper does not say what its matcher does \
 for the four rows above it, so under one protocol this row is the Gabor row.
 - **rows only** is the same with the vertical component held at 0, which these rectified pairs allow.
+- **two warps** is the same with a second warp a scale, which reads again what the first fell short of.
 - **ours** is PBBDE with the default parameters of this library (`MatchParams::default`): three warps \
 a scale, robust weights, 5 x 5 medians, a vertical prior, coherence and look back.
 
@@ -104,11 +105,14 @@ pub(crate) fn side_by_side(scenes: &[SceneRun], over: Over) -> MarkdownTable {
             ours(filters, Matcher::Published),
         ));
     }
-    for filters in Filters::ALL {
-        table.push(named(
-            format!("{}, here, rows only", filters.name()),
-            ours(filters, Matcher::PublishedRowsOnly),
-        ));
+    for (matcher, what) in [
+        (Matcher::PublishedRowsOnly, "rows only"),
+        (Matcher::PublishedTwoWarps, "two warps"),
+    ] {
+        for filters in Filters::ALL {
+            let name = format!("{}, here, {what}", filters.name());
+            table.push(named(name, ours(filters, matcher)));
+        }
     }
     table.push(named(
         "ours".to_owned(),
@@ -142,6 +146,7 @@ fn of_scene(scene: &SceneRun) -> MarkdownTable {
             (Filters::Gabor, Matcher::Published) => "Gabor, PBBDE".to_owned(),
             (filters, Matcher::Published) => filters.name().to_owned(),
             (filters, Matcher::PublishedRowsOnly) => format!("{}, rows only", filters.name()),
+            (filters, Matcher::PublishedTwoWarps) => format!("{}, two warps", filters.name()),
             (_, Matcher::Default) => "ours".to_owned(),
         };
         for (mask, over) in masks {

@@ -24,6 +24,8 @@ pub(crate) enum Matcher {
     Published,
     /// The paper's steps, with the vertical component held at 0.
     PublishedRowsOnly,
+    /// The paper's steps, with a second warp a scale.
+    PublishedTwoWarps,
     /// This library's default.
     Default,
 }
@@ -86,6 +88,11 @@ impl Matcher {
             // A prior of this weight leaves a vertical shift of less than a millionth.
             Self::PublishedRowsOnly => MatchParams {
                 vertical_prior: 1e6,
+                ..MatchParams::as_published()
+            },
+            Self::PublishedTwoWarps => MatchParams {
+                warps: 2,
+                finest_warps: 2,
                 ..MatchParams::as_published()
             },
             Self::Default => MatchParams::default(),

@@ -46,8 +46,8 @@ impl Table1Run {
     /// The form that this version writes.
     pub(crate) const SCHEMA: &'static str = "dorsal-table-1/1";
 
-    /// Every row that is run: the paper's five, their search along rows only, and the default of
-    /// this library.
+    /// Every row that is run: the paper's five, their search along rows only and with a second
+    /// warp, and the default of this library.
     ///
     /// PBBDE is the vector pyramid over Gabor responses: under one protocol for all, its row is the
     /// Gabor row, and is run once.
@@ -67,6 +67,7 @@ impl Table1Run {
         };
         of(Matcher::Published)
             .chain(of(Matcher::PublishedRowsOnly))
+            .chain(of(Matcher::PublishedTwoWarps))
             .chain([ours])
             .collect()
     }

@@ -138,7 +138,11 @@ impl V1Arguments {
             width: 1 << 20,
             height: 1 << 20,
         };
-        superfluous.or_else(|| Some(self.bank(any_picture).err()?.to_string()))
+        superfluous.or_else(|| match self.bank(any_picture) {
+            // How many scales there are, the picture decides.
+            Ok(_) | Err(BadParams::TooManyScales { .. }) => None,
+            Err(reason) => Some(reason.to_string()),
+        })
     }
 
     /// The bank for pictures of one size. Scales that were asked for must be there; those of the

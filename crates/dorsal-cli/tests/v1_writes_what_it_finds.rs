@@ -163,10 +163,12 @@ fn what_no_filter_can_be_is_refused_with_the_reason() {
 #[test]
 fn too_many_scales_for_the_picture() {
     let pair = Pair::new();
-    let said = v1(&pair, &["--scales", "9"]);
-    assert_eq!(said.code, Some(1));
-    for word in ["left.png", "at most 5"] {
-        assert!(said.err.contains(word), "{}", said.err);
+    for scales in ["9", "40"] {
+        let said = v1(&pair, &["--scales", scales]);
+        assert_eq!(said.code, Some(1));
+        for word in ["left.png", "at most 5"] {
+            assert!(said.err.contains(word), "{}", said.err);
+        }
     }
     assert!(!pair.path("out").exists());
     fs::remove_file(pair.path("left.png")).expect("removed");

@@ -44,7 +44,7 @@ fn image(size: Size) -> LumaImage {
         let (x, y) = (x as f32, y as f32);
         0.5 + 0.25 * (1.3 * x + 0.4 * y).sin() + 0.25 * (0.5 * x - 1.1 * y).cos()
     };
-    LumaImage::new(Array2::from_shape_fn(size.dim(), luma)).unwrap()
+    LumaImage::new(Array2::from_shape_fn(size.dim(), luma)).expect("waves are finite")
 }
 
 /// Whether an image of this size has so many scales, by halving it: the coarsest needs six pixels,
