@@ -12,6 +12,7 @@ use v1_gabor::Binocular;
 use crate::bounds;
 use crate::data_folder;
 use crate::date;
+use crate::docs_folder::docs_folder;
 use crate::download::{self, Downloaded};
 use crate::error_picture;
 use crate::estimator::Estimator;
@@ -22,6 +23,9 @@ use crate::masks::Masks;
 use crate::results_page::results_page;
 use crate::score::Score;
 use crate::score_tables;
+use crate::table_1;
+use crate::table_1_page;
+use crate::table_1_run::{SceneRun, Table1Run};
 
 /// Compares disparities with the truth of real pairs: every stereo scene with dense truth in the
 /// data folder.
@@ -35,6 +39,7 @@ Examples:
   cargo xtask eval-middlebury --data ~/data
   cargo xtask eval-middlebury --scene venus --scene tsukuba --pictures out
   cargo xtask eval-middlebury --check --json out/eval.json --results out/results.md
+  cargo xtask eval-middlebury --table1
   cargo xtask eval-middlebury --data ~/data --download --from https://HOST/data
 
 A data folder holds scenes as stereo/SET/SCENE; each has scene.toml beside its pictures. Middlebury's
@@ -59,6 +64,9 @@ pub(crate) struct Options {
     /// evaluated
     #[arg(long, value_name = "FILE")]
     results: Option<PathBuf>,
+    /// Run the five rows of the paper's Table 1, on its three scenes, and write docs/table-1.md
+    #[arg(long, conflicts_with_all = ["scene", "estimator", "pictures", "check"])]
+    table1: bool,
     /// Fail if an error is above its bound (dense, visible pixels: venus 0.45, sawtooth 0.70,
     /// tsukuba 0.70 px)
     #[arg(long)]
@@ -92,6 +100,9 @@ pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
         })?;
     if let (true, Some(base)) = (options.download, &options.from) {
         fetch(&data, base, options)?;
+    }
+    if options.table1 {
+        return table_1(&data, options);
     }
     let evaluation = Evaluation {
         schema: Evaluation::SCHEMA,
@@ -204,6 +215,57 @@ fn score(scene: &StereoScene, truth: &Array2<f32>, options: &Options) -> anyhow:
     ))
 }
 
+/// Runs the paper's Table 1 again, prints it and writes its page.
+fn table_1(data: &Path, options: &Options) -> anyhow::Result<()> {
+    let scenes = in_order(scenes(data, options)?)?;
+    let progress = progress(options.quiet);
+    progress.set_length(scenes.len() as u64);
+    let mut run = Table1Run {
+        schema: Table1Run::SCHEMA,
+        date: date::today(),
+        machine: Machine::this(),
+        scenes: Vec::new(),
+    };
+    for (scene, truth) in scenes {
+        let name = scene.description.name.clone();
+        progress.set_message(name.clone());
+        let scene = SceneRun::of(&scene, &truth).with_context(|| format!("scene {name}"))?;
+        run.scenes.push(scene);
+        progress.inc(1);
+    }
+    progress.finish_and_clear();
+    println!(
+        "Table 1, textured pixels (density)\n{}\nTable 1, visible pixels (density)\n{}\n\
+         Table 1, textured pixels that every family calls valid\n{}",
+        table_1_page::side_by_side(&run.scenes, |row| row.textured),
+        table_1_page::side_by_side(&run.scenes, |row| row.visible),
+        table_1_page::side_by_side(&run.scenes, |row| row.common),
+    );
+    if let Some(path) = &options.json {
+        write_file(path, &serde_json::to_vec_pretty(&run)?)?;
+    }
+    let docs = || Some(docs_folder()?.join("table-1.md"));
+    if let Some(path) = options.results.clone().or_else(docs) {
+        write_file(&path, table_1_page::table_1_page(&run).as_bytes())?;
+    }
+    Ok(())
+}
+
+/// The scenes of Table 1 in its order; all of them must be there.
+fn in_order(
+    mut scenes: Vec<(StereoScene, Array2<f32>)>,
+) -> anyhow::Result<Vec<(StereoScene, Array2<f32>)>> {
+    let found = table_1::SCENES.map(|name| {
+        let place = scenes
+            .iter()
+            .position(|(scene, _)| scene.description.name == name);
+        place
+            .map(|place| scenes.swap_remove(place))
+            .with_context(|| format!("Table 1 needs the scene {name}, and the data has none"))
+    });
+    found.into_iter().collect()
+}
+
 fn print(evaluation: &Evaluation) {
     let scores = &evaluation.scenes;
     for score in scores {
@@ -221,12 +283,11 @@ fn write(evaluation: &Evaluation, options: &Options) -> anyhow::Result<()> {
         write_file(path, &json)?;
     }
     let docs = || {
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent()?;
         // A page of some scenes is no replacement for the page of all.
-        options
-            .scene
-            .is_empty()
-            .then(|| root.join("docs").join("results.md"))
+        let all = options.scene.is_empty();
+        all.then(docs_folder)
+            .flatten()
+            .map(|docs| docs.join("results.md"))
     };
     if let Some(path) = options.results.clone().or_else(docs) {
         write_file(&path, results_page(evaluation).as_bytes())?;
@@ -274,6 +335,9 @@ fn command(options: &Options) -> String {
 
 impl Options {
     fn wants(&self, scene: &str) -> bool {
+        if self.table1 {
+            return table_1::SCENES.contains(&scene);
+        }
         self.scene.is_empty() || self.scene.iter().any(|wanted| wanted == scene)
     }
 }

@@ -7,10 +7,12 @@
     reason = "a command line prints its results and its errors"
 )]
 
+mod bank_pictures;
 mod bounds;
 mod continuous;
 mod data_folder;
 mod date;
+mod docs_folder;
 mod download;
 mod error_picture;
 mod estimator;
@@ -21,11 +23,15 @@ mod manifest;
 mod markdown_table;
 mod masks;
 mod metrics;
+mod phase_statistics;
 mod results_page;
 mod score;
 mod score_tables;
 mod sha256;
 mod table_1;
+mod table_1_page;
+mod table_1_row;
+mod table_1_run;
 mod textured;
 mod visible;
 
@@ -45,12 +51,14 @@ struct Tasks {
 
 #[derive(Debug, Subcommand)]
 enum Task {
+    BankPictures(bank_pictures::Options),
     EvalMiddlebury(eval_middlebury::Options),
 }
 
 fn main() -> ExitCode {
     let Tasks { task } = Tasks::parse();
     let done = match task {
+        Task::BankPictures(options) => bank_pictures::run(&options),
         Task::EvalMiddlebury(options) => eval_middlebury::run(&options),
     };
     match done {

@@ -90,6 +90,23 @@ impl Metrics {
             },
         })
     }
+
+    /// The measures as cells of a table: mean, std, signed mean, RMS, bad-0.5, -1, -2 and -4 and
+    /// density in per cent, pixels.
+    pub(crate) fn cells(&self) -> [String; 10] {
+        [
+            format!("{:.3}", self.mean_absolute),
+            format!("{:.3}", self.std_absolute),
+            format!("{:+.3}", self.signed_mean),
+            format!("{:.3}", self.rms),
+            format!("{:.2}", self.bad.half),
+            format!("{:.2}", self.bad.one),
+            format!("{:.2}", self.bad.two),
+            format!("{:.2}", self.bad.four),
+            format!("{:.1}", 100.0 * self.density),
+            self.answered.to_string(),
+        ]
+    }
 }
 
 #[cfg(test)]

@@ -26,7 +26,7 @@ pub(crate) fn of_scene(score: &Score) -> MarkdownTable {
     for (output, over) in score.outputs() {
         for (mask, metrics) in over.by_name() {
             let name = std::iter::once(format!("{output}, {mask}"));
-            table.push(name.chain(metrics.iter().flat_map(measures)));
+            table.push(name.chain(metrics.iter().flat_map(Metrics::cells)));
         }
     }
     table
@@ -104,21 +104,6 @@ pub(crate) fn beside_table_1(scores: &[Score]) -> Option<MarkdownTable> {
         table.push(std::iter::once(name.to_owned()).chain(cells));
     }
     Some(table)
-}
-
-fn measures(m: &Metrics) -> [String; 10] {
-    [
-        format!("{:.3}", m.mean_absolute),
-        format!("{:.3}", m.std_absolute),
-        format!("{:+.3}", m.signed_mean),
-        format!("{:.3}", m.rms),
-        format!("{:.2}", m.bad.half),
-        format!("{:.2}", m.bad.one),
-        format!("{:.2}", m.bad.two),
-        format!("{:.2}", m.bad.four),
-        format!("{:.1}", 100.0 * m.density),
-        m.answered.to_string(),
-    ]
 }
 
 #[cfg(test)]

@@ -56,7 +56,7 @@ pub(crate) fn coarse_to_fine(
 
 /// Medians over valid neighbours; they also fill where there was no answer, as far as they reach.
 /// Elsewhere the coarser scale's shift stays.
-fn smooth(shifts: &mut Shifts, medians: usize, radius: MedianRadius) {
+pub(crate) fn smooth(shifts: &mut Shifts, medians: usize, radius: MedianRadius) {
     let mut dx = shifts.known(&shifts.dx);
     let mut dy = shifts.known(&shifts.dy);
     for _ in 0..medians {

@@ -1,8 +1,9 @@
 use ndarray::Zip;
-use v1_gabor::{Binocular, GaborParams, Size, V1Responses};
+use v1_gabor::{Binocular, GaborParams, MonogenicParams, Size, V1Responses};
 
 use crate::coarse_to_fine::coarse_to_fine;
 use crate::left_right::check;
+use crate::refine::Shifts;
 use crate::{DisparityField, MatchParams};
 
 /// Why the responses of two eyes cannot be matched.
@@ -23,6 +24,14 @@ pub enum Mismatch {
         left: GaborParams,
         /// Parameters of the right eye's bank.
         right: GaborParams,
+    },
+    /// The monogenic responses come from different banks.
+    #[error("the eyes were filtered with different banks: {left:?} and {right:?}")]
+    SphericalBanks {
+        /// Parameters of the left eye's bank.
+        left: MonogenicParams,
+        /// Parameters of the right eye's bank.
+        right: MonogenicParams,
     },
     /// A parameter is not a number, or out of its range.
     #[error("{name} = {value} cannot be: {need}")]
@@ -64,20 +73,27 @@ pub fn estimate(
         });
     }
     let waves = left.params().wave_vectors();
+    Ok(both_ways(
+        &params,
+        |start_px| coarse_to_fine(left.scales(), right.scales(), &waves, start_px, &params),
+        |start_px| coarse_to_fine(right.scales(), left.scales(), &waves, start_px, &params),
+    ))
+}
+
+/// The field of the way there, each from its start in pixels, checked against the way back if that
+/// is asked for.
+pub(crate) fn both_ways(
+    params: &MatchParams,
+    there: impl FnOnce((f32, f32)) -> Shifts + Send,
+    back: impl FnOnce((f32, f32)) -> Shifts + Send,
+) -> DisparityField {
     let (start_x, start_y) = params.zero_disparity_px;
-    let there = || {
-        let start = (start_x, start_y);
-        coarse_to_fine(left.scales(), right.scales(), &waves, start, &params)
-    };
-    let back = || {
-        let start = (-start_x, -start_y);
-        coarse_to_fine(right.scales(), left.scales(), &waves, start, &params)
-    };
+    let there = || there((start_x, start_y));
     let there = match params.left_right_px {
         None => there(),
         // Side by side: steps of one that keep a single thread busy leave the others to the other.
         Some(tolerance_px) => {
-            let (mut there, back) = rayon::join(there, back);
+            let (mut there, back) = rayon::join(there, || back((-start_x, -start_y)));
             check(&mut there, &back, tolerance_px);
             there
         }
@@ -92,12 +108,7 @@ pub fn estimate(
                     0.0
                 }
             });
-    Ok(DisparityField::trusted(
-        there.dx,
-        there.dy,
-        confidence,
-        there.validity,
-    ))
+    DisparityField::trusted(there.dx, there.dy, confidence, there.validity)
 }
 
 /// From what the orientations leave unexplained, in pixels, to a confidence from 0 to 1.
@@ -106,7 +117,7 @@ fn confidence(residual_px: f32) -> f32 {
 }
 
 impl MatchParams {
-    fn check(&self) -> Result<(), Mismatch> {
+    pub(crate) fn check(&self) -> Result<(), Mismatch> {
         let refuse = |name, value, need| Err(Mismatch::Parameter { name, value, need });
         if !(self.energy_threshold >= 0.0 && self.energy_threshold.is_finite()) {
             return refuse(

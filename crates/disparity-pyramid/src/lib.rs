@@ -46,15 +46,20 @@
 //!
 //! Then the same is done from the right eye to the left, and what does not come back to where it
 //! started is occluded or inconsistent. [`MatchParams::as_published`] takes the paper's steps alone.
+//!
+//! [`estimate_monogenic`] takes the same steps over responses that know one orientation a pixel
+//! ([`v1_gabor::MonogenicResponses`]), with fits over neighbourhoods in place of orientations.
 mod coarse_to_fine;
 mod disparity_field;
 mod estimate;
+mod estimate_monogenic;
 mod expand;
 mod left_right;
 mod match_params;
 mod median;
 mod median_network;
 mod phase;
+mod pooled_fit;
 mod refine;
 mod robust_fit;
 mod tile;
@@ -63,5 +68,6 @@ mod warp;
 
 pub use disparity_field::{Disparity, DisparityField, NotAField};
 pub use estimate::{Mismatch, estimate};
+pub use estimate_monogenic::estimate_monogenic;
 pub use match_params::{MatchParams, MedianRadius};
 pub use validity::Validity;

@@ -3,6 +3,7 @@ use clap::{CommandFactory as _, Parser, Subcommand, error::ErrorKind};
 use crate::demo_arguments::DemoArguments;
 use crate::look_arguments::LookArguments;
 use crate::tables_arguments::TablesArguments;
+use crate::v1_arguments::V1Arguments;
 
 /// What the command is asked to do.
 #[derive(Debug, Parser)]
@@ -28,6 +29,8 @@ pub(crate) enum Command {
     Look(LookArguments),
     /// Looks at a real pair and a rendered room, and compares with the truth
     Demo(DemoArguments),
+    /// Filters one picture as primary visual cortex does, and writes what it finds
+    V1(V1Arguments),
     /// Prints a composition table of the qualitative calculus
     Tables(TablesArguments),
 }
@@ -40,6 +43,8 @@ Examples:
       Disparity alone.
   dorsal look left.png right.png --out out --rig rig.toml --labels labels.toml
       Depth in metres, and the relations of the labelled objects.
+  dorsal v1 left.png --out out
+      What the first level knows of one picture: responses, orientations, edges.
   dorsal tables --system drs1 --case 1
       Table 2 of the paper.
 
@@ -50,18 +55,27 @@ impl Arguments {
     /// `--help` and `--version` end it with 0.
     pub(crate) fn of_process() -> Self {
         let arguments = Self::parse();
-        if let Command::Look(look) = &arguments.command
-            && let Some(conflict) = look.conflict()
-        {
+        if let Some((subcommand, conflict)) = arguments.command.conflict() {
             let mut command = Self::command();
             // The subcommand gives the usage line that belongs to the message.
             command.build();
-            let error = match command.find_subcommand_mut("look") {
-                Some(look) => look.error(ErrorKind::ArgumentConflict, conflict),
+            let error = match command.find_subcommand_mut(subcommand) {
+                Some(subcommand) => subcommand.error(ErrorKind::ArgumentConflict, conflict),
                 None => command.error(ErrorKind::ArgumentConflict, conflict),
             };
             error.exit();
         }
         arguments
+    }
+}
+
+impl Command {
+    /// What no single argument has wrong but several together, with the name of the subcommand.
+    fn conflict(&self) -> Option<(&'static str, String)> {
+        match self {
+            Self::Look(look) => Some(("look", look.conflict()?)),
+            Self::V1(v1) => Some(("v1", v1.conflict()?)),
+            Self::Demo(_) | Self::Tables(_) => None,
+        }
     }
 }

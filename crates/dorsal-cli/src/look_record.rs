@@ -3,6 +3,7 @@ use dorsal::v1_gabor::GaborParams;
 use serde::Serialize;
 use stereo_formats::file_sign;
 
+use crate::outputs::FileName;
 use crate::plan::Plan;
 use crate::sight::Sight;
 use crate::times::Times;
@@ -31,7 +32,7 @@ pub(crate) struct LookRecord {
     threads: usize,
     time_ms: Times,
     /// The files beside this one.
-    pub(crate) files: Vec<&'static str>,
+    pub(crate) files: Vec<FileName>,
 }
 
 /// The files that were looked at.

@@ -27,6 +27,10 @@ mod text_table;
 mod threads;
 mod times;
 mod true_object;
+mod v1;
+mod v1_arguments;
+mod v1_files;
+mod v1_record;
 mod verdict;
 
 use std::io::{self, Write as _};
@@ -40,6 +44,7 @@ fn main() -> ExitCode {
     let done = match &arguments.command {
         Command::Look(look) => look::look(look, &mut out),
         Command::Demo(demo) => demo::demo(demo, &mut out),
+        Command::V1(arguments) => v1::v1(arguments, &mut out),
         Command::Tables(tables) => tables::tables(tables, &mut out),
     }
     .and_then(|()| Ok(out.flush()?));

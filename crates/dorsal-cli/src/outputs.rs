@@ -1,3 +1,4 @@
+use std::borrow::Cow;
 use std::fs;
 use std::path::Path;
 
@@ -11,34 +12,37 @@ type Encode<'a> = Box<dyn FnOnce() -> anyhow::Result<Vec<u8>> + Send + 'a>;
 /// Every file is encoded before the first is written, so that nothing in the folder is touched
 /// unless everything is there to be written.
 #[derive(Default)]
-pub(crate) struct Outputs<'a>(Vec<(&'static str, Encode<'a>)>);
+pub(crate) struct Outputs<'a>(Vec<(FileName, Encode<'a>)>);
+
+/// The plain name of a file.
+pub(crate) type FileName = Cow<'static, str>;
 
 impl<'a> Outputs<'a> {
     /// Adds a file.
     pub(crate) fn add<E>(
         &mut self,
-        name: &'static str,
+        name: impl Into<FileName>,
         encode: impl FnOnce() -> Result<Vec<u8>, E> + Send + 'a,
     ) where
         E: Into<anyhow::Error>,
     {
         self.0
-            .push((name, Box::new(|| encode().map_err(Into::into))));
+            .push((name.into(), Box::new(|| encode().map_err(Into::into))));
     }
 
     /// The names of the files, in the order they were added.
-    pub(crate) fn names(&self) -> Vec<&'static str> {
-        self.0.iter().map(|(name, _)| *name).collect()
+    pub(crate) fn names(&self) -> Vec<FileName> {
+        self.0.iter().map(|(name, _)| name.clone()).collect()
     }
 
     /// Writes every file into a folder, each whole or not at all; the folder is made if need be.
     pub(crate) fn write(self, folder: &Path) -> anyhow::Result<()> {
-        let encoded: Vec<(&str, Vec<u8>)> = self
+        let encoded: Vec<(FileName, Vec<u8>)> = self
             .0
             .into_par_iter()
             .map(|(name, encode)| {
                 let bytes = encode().with_context(|| {
-                    format!("{} has no bytes to write", folder.join(name).display())
+                    format!("{} has no bytes to write", folder.join(&*name).display())
                 })?;
                 Ok((name, bytes))
             })
@@ -50,7 +54,7 @@ impl<'a> Outputs<'a> {
             )
         })?;
         encoded.into_par_iter().try_for_each(|(name, bytes)| {
-            let path = folder.join(name);
+            let path = folder.join(&*name);
             stereo_formats::replace(&path, &bytes).with_context(|| {
                 format!(
                     "{} cannot be written; its folder must allow writing and have room",

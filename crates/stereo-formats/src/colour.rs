@@ -116,7 +116,7 @@ fn shows(rgb: [f64; 3]) -> bool {
 }
 
 /// Oklab in polar coordinates to linear light of the sRGB primaries.
-fn linear_rgb(lightness: f64, chroma: f64, hue: f64) -> [f64; 3] {
+pub(crate) fn linear_rgb(lightness: f64, chroma: f64, hue: f64) -> [f64; 3] {
     let (a, b) = (chroma * hue.cos(), chroma * hue.sin());
     let l = (lightness + 0.396_337_777_4 * a + 0.215_803_757_3 * b).powi(3);
     let m = (lightness - 0.105_561_345_8 * a - 0.063_854_172_8 * b).powi(3);
@@ -129,7 +129,7 @@ fn linear_rgb(lightness: f64, chroma: f64, hue: f64) -> [f64; 3] {
 }
 
 /// The transfer curve of sRGB.
-fn gamma(light: f64) -> f64 {
+pub(crate) fn gamma(light: f64) -> f64 {
     if light <= 0.003_130_8 {
         12.92 * light
     } else {

@@ -41,9 +41,11 @@ mod toml_text;
 mod vector_planes;
 
 pub mod colour;
+pub mod contact_sheet;
 pub mod depth_png;
 pub mod file_sign;
 pub mod flo;
+pub mod hue;
 pub mod kitti_png;
 pub mod label_png;
 pub mod label_polygons;
@@ -51,6 +53,7 @@ pub mod mask_png;
 pub mod middlebury_calib;
 pub mod middlebury_png;
 pub mod names;
+pub mod npy;
 pub mod pfm;
 pub mod picture;
 pub mod ply;
@@ -59,6 +62,7 @@ pub mod rig_toml;
 pub mod scale_bar;
 pub mod scene_folder;
 pub mod scene_toml;
+pub mod v1_picture;
 pub mod validity_png;
 
 pub use file::{LONGEST_FILE, Unreadable, Unwritable, replace};

@@ -5,7 +5,7 @@ use ndarray::{Array2, ArrayView2, concatenate, s};
 use crate::colour::{self, ColourRange};
 
 /// Rows added under the picture.
-pub const HEIGHT: usize = MARGIN + BAR + TICK + GAP + 2 * Digit::HEIGHT + MARGIN;
+pub const HEIGHT: usize = MARGIN + BAR + TICK + GAP + NUMBER_HEIGHT + MARGIN;
 
 const MARGIN: usize = 4;
 const BAR: usize = 10;
@@ -15,6 +15,8 @@ const GAP: usize = 2;
 const ZOOM: usize = 2;
 /// From the left edge of one digit to that of the next.
 const ADVANCE: usize = ZOOM * (Digit::WIDTH + 1);
+/// Height of a number that [`write_number`] writes.
+pub(crate) const NUMBER_HEIGHT: usize = ZOOM * Digit::HEIGHT;
 
 const PAPER: [u8; 3] = [255; 3];
 const INK: [u8; 3] = [0; 3];
@@ -47,12 +49,21 @@ fn draw(width: usize, range: ColourRange) -> Array2<[u8; 3]> {
         // Centred under its tick, as far as the edges allow.
         let left = (x as f64 - tick.label_width() as f64 / 2.0).max(0.0) as usize;
         let left = left.min(width.saturating_sub(tick.label_width()));
-        for (place, sign) in tick.label.chars().enumerate() {
-            let at = (left + place * ADVANCE, MARGIN + BAR + TICK + GAP);
-            Digit::of(sign).draw(&mut strip, at);
-        }
+        write_number(&mut strip, &tick.label, (left, MARGIN + BAR + TICK + GAP));
     }
     strip
+}
+
+/// Writes a number with the upper left corner of its first digit at `(left, top)`, cut off at the
+/// edges.
+pub(crate) fn write_number(
+    picture: &mut Array2<[u8; 3]>,
+    number: &str,
+    (left, top): (usize, usize),
+) {
+    for (place, sign) in number.chars().enumerate() {
+        Digit::of(sign).draw(picture, (left + place * ADVANCE, top));
+    }
 }
 
 struct Tick {

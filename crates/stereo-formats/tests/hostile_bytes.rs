@@ -6,11 +6,12 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use ndarray::Array2;
+use num_complex::Complex32;
 use proptest::prelude::*;
 use stereo_formats::middlebury_png::GreyScale;
 use stereo_formats::{
     VectorPlanes, depth_png, flo, kitti_png, label_png, label_polygons, mask_png, middlebury_calib,
-    names, pfm, picture, points, rig_toml, scene_toml, validity_png,
+    names, npy, pfm, picture, points, rig_toml, scene_toml, validity_png,
 };
 
 /// The system's allocator, which notes the largest request of each thread.
@@ -96,6 +97,9 @@ fn every_reader(bytes: &[u8]) {
     proportionate(bytes, PICTURE, label_png::decode);
     proportionate(bytes, PLAIN, pfm::decode);
     proportionate(bytes, PLAIN, flo::decode);
+    proportionate(bytes, PLAIN, npy::decode::<f32>);
+    proportionate(bytes, PLAIN, npy::decode::<Complex32>);
+    proportionate(bytes, PLAIN, npy::decode::<bool>);
     proportionate(bytes, PLAIN, names::decode);
     proportionate(bytes, PLAIN, label_polygons::decode);
     proportionate(bytes, PLAIN, rig_toml::decode);
@@ -119,6 +123,9 @@ fn good_files() -> Vec<Vec<u8>> {
         GreyScale::new(8.0, 0).unwrap().encode(plane.view()).unwrap(),
         mask_png::encode(plane.mapv(|d| d > 9.0).view()).unwrap(),
         pfm::encode(plane.view()).unwrap(),
+        npy::encode(plane.view()),
+        npy::encode(plane.mapv(Complex32::from).view()),
+        npy::encode(plane.mapv(|d| d > 9.0).view()),
         flo::encode(&VectorPlanes::new(plane.clone(), plane).unwrap()).unwrap(),
         b"P2\n3 2\n255\n0 1 2 3 4 5\n".to_vec(),
         b"P1\n3 2\n0 1 0 1 0 1\n".to_vec(),
@@ -170,6 +177,9 @@ const BEGINNINGS: &[&[u8]] = &[
     b"Pf\n",
     b"Pf\n4294967295 4294967295\n-1\n",
     b"PIEH",
+    b"\x93NUMPY\x01\0\x46\0{'descr': '<f4', 'fortran_order': False, 'shape': (",
+    b"\x93NUMPY\x02\0\xff\xff\xff\xff{'descr': '<f4'",
+    b"\x93NUMPY\x01\0\x54\0{'descr': '<c8', 'fortran_order': False, 'shape': (4294967295, 2147483648, 2), }",
     b"PIEH\xff\xff\xff\x7f\xff\xff\xff\x7f",
     b"[names]\n",
     b"width = 99999999999\nheight = 9\n",
@@ -263,6 +273,9 @@ fn good_files_are_good() {
         let read = picture::decode(&file).is_ok()
             || pfm::decode(&file).is_ok()
             || flo::decode(&file).is_ok()
+            || npy::decode::<f32>(&file).is_ok()
+            || npy::decode::<Complex32>(&file).is_ok()
+            || npy::decode::<bool>(&file).is_ok()
             || names::decode(&file).is_ok()
             || label_polygons::decode(&file).is_ok()
             || rig_toml::decode(&file).is_ok()

@@ -5,14 +5,15 @@ use std::num::NonZeroU16;
 
 use disparity_pyramid::{DisparityField, Validity};
 use egocentric_depth::{CameraIntrinsics, DepthMap, Label, LabelImage, StereoRig};
-use ndarray::{Array2, Zip};
+use ndarray::{Array2, ArrayD, IxDyn, Zip};
+use num_complex::Complex32;
 use proptest::prelude::*;
 use stereo_formats::label_polygons::{LabelPolygons, Outline};
 use stereo_formats::middlebury_png::GreyScale;
 use stereo_formats::names::Names;
 use stereo_formats::{
     VectorPlanes, depth_png, file_sign, flo, kitti_png, label_png, label_polygons, mask_png, names,
-    pfm, rig_toml, validity_png,
+    npy, pfm, rig_toml, validity_png,
 };
 use v1_gabor::{Binocular, Size};
 
@@ -66,6 +67,28 @@ proptest! {
     #[test]
     fn pfm(plane in plane(number(-1e30..1e30))) {
         prop_assert!(same(&pfm::decode(&pfm::encode(plane.view()).unwrap()).unwrap(), &plane, 0.0));
+    }
+
+    /// Arrays of any shape and type come back to the last bit, and their data is aligned.
+    #[test]
+    fn npy(
+        shape in prop::collection::vec(0usize..5, 0..5),
+        re in prop::collection::vec(-1e30f32..1e30, 256),
+    ) {
+        let real = ArrayD::from_shape_fn(IxDyn(&shape), |at| {
+            re[(0..shape.len()).fold(0, |place, axis| place * 4 + at[axis]) % 256]
+        });
+        let bytes = npy::encode(real.view());
+        prop_assert_eq!((bytes.len() - 4 * real.len()) % 64, 0);
+        prop_assert_eq!(npy::decode::<f32>(&bytes).unwrap(), real.clone());
+        // Reversed axes are written in the order they are seen in.
+        let turned = real.t();
+        prop_assert_eq!(npy::decode::<f32>(&npy::encode(turned.view())).unwrap(), turned);
+        let complex = real.mapv(|re| Complex32::new(re, 1.0 - re));
+        let back = npy::decode::<Complex32>(&npy::encode(complex.view())).unwrap();
+        prop_assert_eq!(back, complex);
+        let truth = real.mapv(|re| re > 0.0);
+        prop_assert_eq!(npy::decode::<bool>(&npy::encode(truth.view())).unwrap(), truth);
     }
 
     /// Shifts come back to the last bit, and what is unknown in one half is unknown in both.
