@@ -1,40 +1,39 @@
 use ndarray::{Array2, Zip};
-use v1_gabor::{Responses, WaveVector};
+use v1_gabor::Size;
 
 use crate::expand::expand;
+use crate::fill::fill;
 use crate::median::median_of_known;
-use crate::refine::{Eyes, Shifts, refine};
-use crate::{MatchParams, MedianRadius, Validity};
+use crate::refine::Shifts;
+use crate::{MatchParams, MedianRadius};
 
-/// The shifts that take one eye's image to the other's, from the coarsest scale to the finest
-/// (equation 4). `scales` are the two eyes' responses, finest first.
+/// The shifts that take one eye's image to the other's, from the coarsest scale down to the scale
+/// `last` (equation 4), 0 being the finest. `sizes` are the scales', finest first; `start_px` is in
+/// pixels of the finest.
+///
+/// `refine` is one warp at one scale: it improves the shifts where the phases tell it to, and says
+/// at each pixel whether they did. It is also given the coarser scale's vertical shifts.
 pub(crate) fn coarse_to_fine(
-    from: &[Responses],
-    to: &[Responses],
-    waves: &[WaveVector],
+    sizes: &[Size],
+    last: usize,
     start_px: (f32, f32),
     params: &MatchParams,
+    refine: impl Fn(usize, &mut Shifts, &Array2<f32>),
 ) -> Shifts {
-    let coarsest = from.len() - 1;
+    let coarsest = sizes.len() - 1;
     let shrink = 0.5f32.powi(coarsest as i32);
-    let dim = from[coarsest].size().dim();
-    let mut shifts = Shifts {
-        dx: Array2::from_elem(dim, start_px.0 * shrink),
-        dy: Array2::from_elem(dim, start_px.1 * shrink),
-        validity: Array2::from_elem(dim, Validity::NoEnergy),
-        residual: Array2::zeros(dim),
-    };
-    for (scale, (left, right)) in from.iter().zip(to).enumerate().rev() {
+    let dim = sizes[coarsest].dim();
+    let mut shifts = Shifts::silent(
+        Array2::from_elem(dim, start_px.0 * shrink),
+        Array2::from_elem(dim, start_px.1 * shrink),
+    );
+    for (scale, &size) in sizes.iter().enumerate().skip(last).rev() {
         if scale < coarsest {
-            let size = left.size();
-            shifts = Shifts {
-                dx: expand(shifts.dx.view(), size),
-                dy: expand(shifts.dy.view(), size),
-                validity: Array2::from_elem(size.dim(), Validity::NoEnergy),
-                residual: Array2::zeros(size.dim()),
-            };
+            shifts = Shifts::silent(
+                expand(shifts.dx.view(), size),
+                expand(shifts.dy.view(), size),
+            );
         }
-        let eyes = Eyes { left, right, waves };
         let parent_dy = shifts.dy.clone();
         let warps = if scale == 0 {
             params.finest_warps
@@ -42,7 +41,7 @@ pub(crate) fn coarse_to_fine(
             params.warps
         };
         for warp in 1..=warps {
-            refine(&eyes, &mut shifts, &parent_dy, params);
+            refine(scale, &mut shifts, &parent_dy);
             let medians = if warp < warps {
                 params.medians.min(1)
             } else {
@@ -51,12 +50,13 @@ pub(crate) fn coarse_to_fine(
             smooth(&mut shifts, medians, params.median_radius);
         }
     }
+    fill(&mut shifts, params.fill_neighbours);
     shifts
 }
 
 /// Medians over valid neighbours; they also fill where there was no answer, as far as they reach.
 /// Elsewhere the coarser scale's shift stays.
-pub(crate) fn smooth(shifts: &mut Shifts, medians: usize, radius: MedianRadius) {
+fn smooth(shifts: &mut Shifts, medians: usize, radius: MedianRadius) {
     let mut dx = shifts.known(&shifts.dx);
     let mut dy = shifts.known(&shifts.dy);
     for _ in 0..medians {

@@ -1,9 +1,9 @@
-use ndarray::Zip;
-use v1_gabor::{Binocular, GaborParams, MonogenicParams, Size, V1Responses};
+use ndarray::{Array2, Zip};
+use v1_gabor::{Binocular, GaborParams, MonogenicParams, Responses, Size, V1Responses};
 
 use crate::coarse_to_fine::coarse_to_fine;
 use crate::left_right::check;
-use crate::refine::Shifts;
+use crate::refine::{Eyes, Shifts, refine};
 use crate::{DisparityField, MatchParams};
 
 /// Why the responses of two eyes cannot be matched.
@@ -73,28 +73,42 @@ pub fn estimate(
         });
     }
     let waves = left.params().wave_vectors();
+    let sizes: Vec<Size> = left.scales().iter().map(Responses::size).collect();
+    let warp = |from: &V1Responses, to: &V1Responses, scale: usize, shifts: &mut Shifts, dy: &_| {
+        let eyes = Eyes {
+            left: &from.scales()[scale],
+            right: &to.scales()[scale],
+            waves: &waves,
+        };
+        refine(&eyes, shifts, dy, &params);
+    };
     Ok(both_ways(
         &params,
-        |start_px| coarse_to_fine(left.scales(), right.scales(), &waves, start_px, &params),
-        |start_px| coarse_to_fine(right.scales(), left.scales(), &waves, start_px, &params),
+        &sizes,
+        |scale, shifts, parent_dy| warp(left, right, scale, shifts, parent_dy),
+        |scale, shifts, parent_dy| warp(right, left, scale, shifts, parent_dy),
     ))
 }
 
-/// The field of the way there, each from its start in pixels, checked against the way back if that
-/// is asked for.
+/// The field of the way there, checked against the way back if that is asked for. `there` and
+/// `back` are one warp at one scale, as [`coarse_to_fine`] takes it.
 pub(crate) fn both_ways(
     params: &MatchParams,
-    there: impl FnOnce((f32, f32)) -> Shifts + Send,
-    back: impl FnOnce((f32, f32)) -> Shifts + Send,
+    sizes: &[Size],
+    there: impl Fn(usize, &mut Shifts, &Array2<f32>) + Send,
+    back: impl Fn(usize, &mut Shifts, &Array2<f32>) + Send,
 ) -> DisparityField {
     let (start_x, start_y) = params.zero_disparity_px;
-    let there = || there((start_x, start_y));
+    let there = || coarse_to_fine(sizes, 0, (start_x, start_y), params, there);
     let there = match params.left_right_px {
         None => there(),
         // Side by side: steps of one that keep a single thread busy leave the others to the other.
         Some(tolerance_px) => {
-            let (mut there, back) = rayon::join(there, || back((-start_x, -start_y)));
-            check(&mut there, &back, tolerance_px);
+            let last = params.look_back_scale.min(sizes.len() - 1);
+            let start = (-start_x, -start_y);
+            let back = || coarse_to_fine(sizes, last, start, params, back);
+            let (mut there, back) = rayon::join(there, back);
+            check(&mut there, &back, last, tolerance_px);
             there
         }
     };

@@ -1,12 +1,8 @@
-use ndarray::Array2;
-use v1_gabor::{Binocular, MonogenicResponses};
+use v1_gabor::{Binocular, MonogenicResponses, Size};
 
-use crate::coarse_to_fine::smooth;
 use crate::estimate::both_ways;
-use crate::expand::expand;
 use crate::pooled_fit::pooled_refine;
-use crate::refine::Shifts;
-use crate::{DisparityField, MatchParams, Mismatch, Validity};
+use crate::{DisparityField, MatchParams, Mismatch};
 
 /// The vector disparity of every pixel of the left image, from the monogenic responses of both
 /// eyes: [`estimate`](crate::estimate) for filters that know one orientation a pixel.
@@ -40,64 +36,17 @@ pub fn estimate_monogenic(
             right: right.params(),
         });
     }
+    let omega = left.params().peak_frequency;
+    let sizes: Vec<Size> = left.scales().iter().map(|scale| scale.size()).collect();
+    let warp =
+        |from: &MonogenicResponses, to: &MonogenicResponses, scale, shifts: &mut _, dy: &_| {
+            let eyes = (&from.scales()[scale], &to.scales()[scale]);
+            pooled_refine(eyes, omega, shifts, dy, &params);
+        };
     Ok(both_ways(
         &params,
-        |start_px| coarse_to_fine(left, right, start_px, &params),
-        |start_px| coarse_to_fine(right, left, start_px, &params),
+        &sizes,
+        |scale, shifts, parent_dy| warp(left, right, scale, shifts, parent_dy),
+        |scale, shifts, parent_dy| warp(right, left, scale, shifts, parent_dy),
     ))
-}
-
-/// The shifts that take one eye's image to the other's, from the coarsest scale to the finest
-/// (equation 4), each scale refined by pooled fits.
-fn coarse_to_fine(
-    from: &MonogenicResponses,
-    to: &MonogenicResponses,
-    start_px: (f32, f32),
-    params: &MatchParams,
-) -> Shifts {
-    let omega = from.params().peak_frequency;
-    let shrink = 0.5f32.powi(from.scales().len() as i32 - 1);
-    let mut shifts: Option<Shifts> = None;
-    for (scale, (left, right)) in from.scales().iter().zip(to.scales()).enumerate().rev() {
-        let size = left.size();
-        let mut here = match &shifts {
-            None => Shifts::silent(
-                Array2::from_elem(size.dim(), start_px.0 * shrink),
-                Array2::from_elem(size.dim(), start_px.1 * shrink),
-            ),
-            Some(coarser) => Shifts::silent(
-                expand(coarser.dx.view(), size),
-                expand(coarser.dy.view(), size),
-            ),
-        };
-        let parent_dy = here.dy.clone();
-        let warps = if scale == 0 {
-            params.finest_warps
-        } else {
-            params.warps
-        };
-        for warp in 1..=warps {
-            pooled_refine((left, right), omega, &mut here, &parent_dy, params);
-            let medians = if warp < warps {
-                params.medians.min(1)
-            } else {
-                params.medians
-            };
-            smooth(&mut here, medians, params.median_radius);
-        }
-        shifts = Some(here);
-    }
-    shifts.expect("responses have at least one scale")
-}
-
-impl Shifts {
-    /// Shifts of which nothing is known yet.
-    fn silent(dx: Array2<f32>, dy: Array2<f32>) -> Self {
-        Self {
-            validity: Array2::from_elem(dx.dim(), Validity::NoEnergy),
-            residual: Array2::zeros(dx.dim()),
-            dx,
-            dy,
-        }
-    }
 }

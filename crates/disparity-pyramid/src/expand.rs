@@ -1,4 +1,5 @@
-use ndarray::{Array2, ArrayView2, Zip};
+use ndarray::{Array2, ArrayView2};
+use rayon::prelude::*;
 use v1_gabor::Size;
 
 /// A plane of shifts on the next finer grid: the grid doubled (bilinear), and the values with it.
@@ -7,22 +8,32 @@ use v1_gabor::Size;
 /// holds.
 pub(crate) fn expand(shifts: ArrayView2<'_, f32>, fine: Size) -> Array2<f32> {
     let (height, width) = shifts.dim();
-    let split = |at: usize, length: usize| {
-        let low = (at / 2).min(length - 1);
-        let high = at.div_ceil(2).min(length - 1);
-        (low, high)
-    };
+    let coarse = shifts
+        .to_slice()
+        .expect("planes are made in row-major order");
+    let row = |y: usize| &coarse[y.min(height - 1) * width..][..width];
     let mut expanded = Array2::zeros(fine.dim());
-    Zip::indexed(&mut expanded).par_for_each(|(y, x), out| {
-        let (top, bottom) = split(y, height);
-        let (left, right) = split(x, width);
-        // The mean of the (up to four, at even places equal) neighbours, times two.
-        *out = 0.5
-            * (shifts[[top, left]]
-                + shifts[[top, right]]
-                + shifts[[bottom, left]]
-                + shifts[[bottom, right]]);
-    });
+    expanded
+        .as_slice_mut()
+        .expect("a fresh array is contiguous")
+        .par_chunks_mut(fine.width)
+        .enumerate()
+        .for_each(|(y, out)| {
+            // The mean of the (up to four, at even places equal) neighbours, times two.
+            let (top, bottom) = (row(y / 2), row(y.div_ceil(2)));
+            let mut pairs = out.chunks_exact_mut(2);
+            let mut x = 0;
+            for pair in &mut pairs {
+                let right = (x + 1).min(width - 1);
+                let here = top[x] + bottom[x];
+                pair[0] = here;
+                pair[1] = 0.5 * (here + (top[right] + bottom[right]));
+                x = right;
+            }
+            if let [last] = pairs.into_remainder() {
+                *last = top[x] + bottom[x];
+            }
+        });
     expanded
 }
 

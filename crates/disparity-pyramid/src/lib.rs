@@ -54,6 +54,7 @@ mod disparity_field;
 mod estimate;
 mod estimate_monogenic;
 mod expand;
+mod fill;
 mod left_right;
 mod match_params;
 mod median;
@@ -64,6 +65,7 @@ mod refine;
 mod robust_fit;
 mod tile;
 mod validity;
+mod vector;
 mod warp;
 
 pub use disparity_field::{Disparity, DisparityField, NotAField};

@@ -4,16 +4,17 @@
 pub struct MatchParams {
     /// Least energy (squared modulus, for images in `[0, 1]` and filters of unit gain) that an
     /// orientation must have in both eyes to be heard. The paper's value is `1e-6`: a grating of
-    /// half a grey level in 256. `1e-7` hears more of weak textures, at some loss of accuracy.
+    /// half a grey level in 256. `1e-7` hears weak textures too: a quarter more pixels answer on
+    /// Venus, and the best guess everywhere errs by a fifth less.
     pub energy_threshold: f32,
     /// Where the search starts, in pixels of the image: the shift `(dx, dy)` that the coarsest
     /// scale takes for granted. `(0, 0)` is the paper's, a pair of eyes that fixate the scene.
     pub zero_disparity_px: (f32, f32),
-    /// Warps at each scale but the finest. One warp falls short of the whole residual by about 8 %, since natural
-    /// images have a mean instantaneous frequency below the peak frequency.
+    /// Warps at each scale but the finest. One warp falls short of the whole residual by about 8 %,
+    /// since natural images have a mean instantaneous frequency below the peak frequency.
     pub warps: usize,
-    /// Warps at the finest scale, which costs three quarters of the time: two gain nearly all of
-    /// what three do.
+    /// Warps at the finest scale, which costs three quarters of the time of all; a second one takes
+    /// 2 to 4 % off the error of the best guess and nothing off that of the valid pixels.
     pub finest_warps: usize,
     /// Rounds of robust reweighting of the orientations in each least-squares fit; 0 is the plain
     /// fit of equation 3.
@@ -29,8 +30,14 @@ pub struct MatchParams {
     /// Weight of the coarser scale's vertical shift against the phases', relative to all of them.
     /// Eyes on one baseline see little vertical disparity, and it varies slowly.
     pub vertical_prior: f32,
+    /// Least number of valid pixels among the 5 x 5 around a pixel without an answer of its own that
+    /// make their median its answer; `None` leaves every such pixel unknown.
+    pub fill_neighbours: Option<usize>,
     /// How far the way there and back may miss its start, in pixels; `None` asks one way only.
     pub left_right_px: Option<f32>,
+    /// The scale at which the way back is found, 0 being the image's own. At 1 it costs a third, and
+    /// tells an occlusion as well.
+    pub look_back_scale: usize,
 }
 
 /// The width of a median filter.
@@ -45,16 +52,18 @@ pub enum MedianRadius {
 impl Default for MatchParams {
     fn default() -> Self {
         Self {
-            energy_threshold: 1e-6,
+            energy_threshold: 1e-7,
             zero_disparity_px: (0.0, 0.0),
-            warps: 3,
-            finest_warps: 2,
-            robust_rounds: 2,
-            medians: 3,
+            warps: 2,
+            finest_warps: 1,
+            robust_rounds: 1,
+            medians: 2,
             median_radius: MedianRadius::Two,
-            least_coherence: 0.8,
+            least_coherence: 0.7,
             vertical_prior: 0.1,
-            left_right_px: Some(1.0),
+            fill_neighbours: Some(10),
+            left_right_px: Some(1.5),
+            look_back_scale: 1,
         }
     }
 }
@@ -65,6 +74,7 @@ impl MatchParams {
     #[must_use]
     pub fn as_published() -> Self {
         Self {
+            energy_threshold: 1e-6,
             warps: 1,
             finest_warps: 1,
             robust_rounds: 0,
@@ -72,6 +82,7 @@ impl MatchParams {
             median_radius: MedianRadius::One,
             least_coherence: -1.0,
             vertical_prior: 0.0,
+            fill_neighbours: None,
             left_right_px: None,
             ..Self::default()
         }

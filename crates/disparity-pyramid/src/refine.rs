@@ -1,9 +1,10 @@
 use ndarray::{Array2, Zip};
-use pulp::{Arch, NullaryFnOnce};
+use pulp::{Arch, NullaryFnOnce, Scalar, Simd};
 use rayon::prelude::*;
+use v1_gabor::machine::Machine;
 use v1_gabor::{Responses, WaveVector};
 
-use crate::tile::{MOST_ORIENTATIONS, TILE, Tile};
+use crate::tile::{TILE, Tile};
 use crate::warp::Warp;
 use crate::{MatchParams, Validity};
 
@@ -76,11 +77,11 @@ pub(crate) fn refine(
                     residual,
                     parent_dy,
                 };
-                // Loops over orientations have a known length: the paper's number, or the most.
-                if eyes.waves.len() <= 8 {
-                    Arch::new().dispatch(InLanes::<8>(row));
+                // The paper's number of orientations is known to the compiler.
+                if eyes.waves.len() == 8 {
+                    row.dispatch::<8>();
                 } else {
-                    Arch::new().dispatch(InLanes::<MOST_ORIENTATIONS>(row));
+                    row.dispatch::<0>();
                 }
             },
         );
@@ -100,15 +101,28 @@ struct Row<'a> {
     parent_dy: &'a [f32],
 }
 
-/// One row's work with the orientations in `LANES` lanes.
-///
-/// It is compiled once for each vector width and run at the machine's widest. Products and sums
-/// stay separate at every width, so that this level adds no difference between machines.
-struct InLanes<'a, const LANES: usize>(Row<'a>);
+impl Row<'_> {
+    /// Runs the row in the machine's vectors of eight lanes, which hold a tile.
+    fn dispatch<const ORIENTATIONS: usize>(self) {
+        match Arch::new() {
+            #[cfg(target_arch = "x86_64")]
+            Arch::V4(v4) => (*v4).vectorize(Compiled::<ORIENTATIONS, _>(self, *v4)),
+            #[cfg(target_arch = "x86_64")]
+            Arch::V3(v3) => v3.vectorize(Compiled::<ORIENTATIONS, _>(self, v3)),
+            _ => Compiled::<ORIENTATIONS, _>(self, Scalar).call(),
+        }
+    }
+}
 
-impl<const LANES: usize> NullaryFnOnce for InLanes<'_, LANES> {
+/// One row's work, compiled for one kind of vectors and one number of orientations (0 for any).
+struct Compiled<'a, const ORIENTATIONS: usize, S>(Row<'a>, S);
+
+impl<const ORIENTATIONS: usize, S: Simd + Machine<TILE>> NullaryFnOnce
+    for Compiled<'_, ORIENTATIONS, S>
+{
     type Output = ();
 
+    // Inlined into the function that is compiled for the vector unit; a call would leave it.
     #[inline(always)]
     fn call(self) {
         let Row {
@@ -123,11 +137,21 @@ impl<const LANES: usize> NullaryFnOnce for InLanes<'_, LANES> {
             residual,
             parent_dy,
         } = self.0;
+        let simd = self.1;
+        let parts = 2 * eyes.waves.len();
+        let left = &eyes.left.samples()[y * dx.len() * parts..][..dx.len() * parts];
         for start in (0..dx.len()).step_by(TILE) {
             let end = (start + TILE).min(dx.len());
             let (dx, dy) = (&mut dx[start..end], &mut dy[start..end]);
-            tile.read::<LANES>(eyes, warp, (start, y), (dx, dy), params.energy_threshold);
-            let fit = tile.fit(eyes.waves, &parent_dy[start..end], dy, params);
+            tile.read::<ORIENTATIONS, S>(
+                simd,
+                (&left[start * parts..], warp),
+                eyes.waves.len(),
+                (start, y),
+                (dx, dy),
+                params.energy_threshold,
+            );
+            let fit = tile.fit(simd, eyes.waves, &parent_dy[start..end], dy, params);
             for i in 0..end - start {
                 let verdict = tile.verdict(i, &fit, params, (start + i, y), (dx[i], dy[i]), warp);
                 validity[start + i] = verdict;

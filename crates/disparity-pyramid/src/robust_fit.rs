@@ -1,8 +1,10 @@
+use pulp::Simd;
 use v1_gabor::WaveVector;
 
 use crate::MatchParams;
-use crate::phase::wrap;
-use crate::tile::{MOST_ORIENTATIONS, TILE};
+use crate::phase::cosine;
+use crate::tile::{ByOrientation, TILE};
+use crate::vector::{store, vector};
 
 /// Residual phase at which an orientation's weight has fallen to half, in radians.
 const CAUCHY_RAD: f32 = 0.4;
@@ -15,6 +17,7 @@ const DEAF_RAD: f32 = 1.5;
 const LEAST_DETERMINANT: f32 = 1e-3;
 
 /// The shift fitted to the phases of all orientations, for each pixel of a tile.
+#[derive(Default)]
 pub(crate) struct Fit {
     /// Shift along x in pixels; NaN if the orientations heard do not tell both components.
     pub(crate) ux: [f32; TILE],
@@ -24,6 +27,8 @@ pub(crate) struct Fit {
     pub(crate) coherence: [f32; TILE],
     /// Weighted root mean square of the component disparities left over, in pixels.
     pub(crate) residual_px: [f32; TILE],
+    /// How many orientations were heard.
+    pub(crate) heard: [f32; TILE],
 }
 
 /// Equation 3, with the inverse and the right-hand side that its print lost: the shift `u` that
@@ -35,105 +40,132 @@ pub(crate) struct Fit {
 /// orientation by `1 / (1 + (residual / 0.4 rad)^2)` again. `pull` is where the coarser scale would
 /// have the vertical component go.
 #[inline(always)]
-pub(crate) fn robust_fit(
-    phase: &[[f32; TILE]; MOST_ORIENTATIONS],
-    weight: &[[f32; TILE]; MOST_ORIENTATIONS],
+pub(crate) fn robust_fit<S: Simd>(
+    simd: S,
+    (phase, weight): (&ByOrientation, &ByOrientation),
     waves: &[WaveVector],
     pull: &[f32; TILE],
     params: &MatchParams,
 ) -> Fit {
-    let omega_squared = waves[0].x * waves[0].x + waves[0].y * waves[0].y;
-    let mut ux = [0.0f32; TILE];
-    let mut uy = [0.0f32; TILE];
-    for round in 0..=params.robust_rounds {
-        let last = round == params.robust_rounds && round > 0;
-        let mut xx = [0.0f32; TILE];
-        let mut xy = [0.0f32; TILE];
-        let mut yy = [0.0f32; TILE];
-        let mut rx = [0.0f32; TILE];
-        let mut ry = [0.0f32; TILE];
-        for (q, k) in waves.iter().enumerate() {
-            let (phase, weight) = (&phase[q], &weight[q]);
-            for i in 0..TILE {
-                let robust = if round == 0 {
-                    1.0
-                } else {
-                    let left_over = phase[i] - (k.x * ux[i] + k.y * uy[i]);
-                    let ratio = left_over * (1.0 / CAUCHY_RAD);
-                    let deaf = last && left_over.abs() > DEAF_RAD;
-                    if deaf {
-                        0.0
-                    } else {
-                        1.0 / (1.0 + ratio * ratio)
-                    }
-                };
-                let w = weight[i] * robust;
-                xx[i] += w * k.x * k.x;
-                xy[i] += w * k.x * k.y;
-                yy[i] += w * k.y * k.y;
-                rx[i] += w * k.x * phase[i];
-                ry[i] += w * k.y * phase[i];
-            }
-        }
-        for i in 0..TILE {
-            // Every wave vector has the same length, so the trace is the sum of weights times its
-            // square.
-            let trace = xx[i] + yy[i];
-            let determinant = xx[i] * yy[i] - xy[i] * xy[i];
-            let told = determinant > LEAST_DETERMINANT * trace * trace && trace > 0.0;
-            let ridge = params.vertical_prior * trace;
-            let (yy, ry) = (yy[i] + ridge, ry[i] + ridge * pull[i]);
-            let determinant = xx[i] * yy - xy[i] * xy[i];
-            // One division for both components; NaN where they cannot be told.
-            let inverse = if told { 1.0 / determinant } else { f32::NAN };
-            ux[i] = (yy * rx[i] - xy[i] * ry) * inverse;
-            uy[i] = (xx[i] * ry - xy[i] * rx[i]) * inverse;
-        }
-    }
-    let mut agreement = [0.0f32; TILE];
-    let mut unexplained = [0.0f32; TILE];
-    let mut total = [f32::MIN_POSITIVE; TILE];
-    for (q, k) in waves.iter().enumerate() {
-        let (phase, weight) = (&phase[q], &weight[q]);
-        for i in 0..TILE {
-            let left_over = phase[i] - (k.x * ux[i] + k.y * uy[i]);
-            agreement[i] += weight[i] * cosine(left_over);
-            unexplained[i] += weight[i] * left_over * left_over;
-            total[i] += weight[i];
-        }
-    }
-    let mut fit = Fit {
-        ux,
-        uy,
-        coherence: agreement,
-        residual_px: unexplained,
-    };
-    for i in 0..TILE {
-        fit.coherence[i] /= total[i];
-        fit.residual_px[i] = (fit.residual_px[i] / (total[i] * omega_squared)).sqrt();
+    let mut fit = Fit::default();
+    for start in (0..TILE).step_by(S::F32_LANES) {
+        fit_lanes(simd, (phase, weight), waves, pull, params, start, &mut fit);
     }
     fit
 }
 
-/// A cosine good to 2e-4 at every angle: wrapped, then its power series as far as the twelfth, so
-/// that the loop over it becomes vector code.
+/// The same for the pixels from `start` on that a vector holds.
 #[inline(always)]
-fn cosine(angle: f32) -> f32 {
-    const SERIES: [f32; 7] = [
-        1.0,
-        -1.0 / 2.0,
-        1.0 / 24.0,
-        -1.0 / 720.0,
-        1.0 / 40_320.0,
-        -1.0 / 3_628_800.0,
-        1.0 / 479_001_600.0,
-    ];
-    let angle = wrap(angle);
-    let square = angle * angle;
-    SERIES
-        .iter()
-        .rev()
-        .fold(0.0, |sum, coefficient| sum * square + coefficient)
+fn fit_lanes<S: Simd>(
+    simd: S,
+    (phase, weight): (&ByOrientation, &ByOrientation),
+    waves: &[WaveVector],
+    pull: &[f32; TILE],
+    params: &MatchParams,
+    start: usize,
+    fit: &mut Fit,
+) {
+    let (zero, one) = (simd.splat_f32s(0.0), simd.splat_f32s(1.0));
+    let omega_squared = waves[0].x * waves[0].x + waves[0].y * waves[0].y;
+    let pull = vector(simd, pull, start);
+    let (mut ux, mut uy) = (zero, zero);
+    for round in 0..=params.robust_rounds {
+        let last = round == params.robust_rounds;
+        let (mut xx, mut xy, mut yy) = (zero, zero, zero);
+        let (mut rx, mut ry) = (zero, zero);
+        for (q, k) in waves.iter().enumerate() {
+            let (kx, ky) = (simd.splat_f32s(k.x), simd.splat_f32s(k.y));
+            let phase = vector(simd, &phase[q], start);
+            let mut w = vector(simd, &weight[q], start);
+            if round > 0 {
+                let left_over = left_over(simd, phase, (kx, ky), (ux, uy));
+                let ratio = simd.mul_f32s(left_over, simd.splat_f32s(1.0 / CAUCHY_RAD));
+                w = simd.div_f32s(w, simd.mul_add_e_f32s(ratio, ratio, one));
+                if last {
+                    let size = simd.abs_f32s(left_over);
+                    let heard = simd.less_than_or_equal_f32s(size, simd.splat_f32s(DEAF_RAD));
+                    w = simd.select_f32s(heard, w, zero);
+                }
+            }
+            let (wx, wy) = (simd.mul_f32s(w, kx), simd.mul_f32s(w, ky));
+            xx = simd.mul_add_e_f32s(wx, kx, xx);
+            xy = simd.mul_add_e_f32s(wx, ky, xy);
+            yy = simd.mul_add_e_f32s(wy, ky, yy);
+            rx = simd.mul_add_e_f32s(wx, phase, rx);
+            ry = simd.mul_add_e_f32s(wy, phase, ry);
+        }
+        // Every wave vector has the same length, so the trace is the sum of weights times its
+        // square.
+        let trace = simd.add_f32s(xx, yy);
+        let least = simd.mul_f32s(
+            simd.splat_f32s(LEAST_DETERMINANT),
+            simd.mul_f32s(trace, trace),
+        );
+        let plain = determinant(simd, xx, xy, yy);
+        let told = simd.less_than_f32s(least, plain);
+        let ridge = simd.mul_f32s(simd.splat_f32s(params.vertical_prior), trace);
+        yy = simd.add_f32s(yy, ridge);
+        ry = simd.mul_add_e_f32s(ridge, pull, ry);
+        // One division for both components; NaN where they cannot be told.
+        let inverse = simd.div_f32s(one, determinant(simd, xx, xy, yy));
+        let inverse = simd.select_f32s(told, inverse, simd.splat_f32s(f32::NAN));
+        ux = simd.mul_f32s(determinant_of(simd, (rx, xy), (ry, yy)), inverse);
+        uy = simd.mul_f32s(determinant_of(simd, (xx, rx), (xy, ry)), inverse);
+    }
+    let (mut agreement, mut unexplained, mut heard) = (zero, zero, zero);
+    let mut total = simd.splat_f32s(f32::MIN_POSITIVE);
+    for (q, k) in waves.iter().enumerate() {
+        let (kx, ky) = (simd.splat_f32s(k.x), simd.splat_f32s(k.y));
+        let phase = vector(simd, &phase[q], start);
+        let w = vector(simd, &weight[q], start);
+        let left_over = left_over(simd, phase, (kx, ky), (ux, uy));
+        agreement = simd.mul_add_e_f32s(w, cosine(simd, left_over), agreement);
+        let square = simd.mul_f32s(left_over, left_over);
+        unexplained = simd.mul_add_e_f32s(w, square, unexplained);
+        total = simd.add_f32s(total, w);
+        let counts = simd.select_f32s(simd.less_than_f32s(zero, w), one, zero);
+        heard = simd.add_f32s(heard, counts);
+    }
+    let explained = simd.mul_f32s(total, simd.splat_f32s(omega_squared));
+    let residual_px = simd.sqrt_f32s(simd.div_f32s(unexplained, explained));
+    store(simd, &mut fit.ux, start, ux);
+    store(simd, &mut fit.uy, start, uy);
+    store(
+        simd,
+        &mut fit.coherence,
+        start,
+        simd.div_f32s(agreement, total),
+    );
+    store(simd, &mut fit.residual_px, start, residual_px);
+    store(simd, &mut fit.heard, start, heard);
+}
+
+/// What a shift leaves of an orientation's phase.
+#[inline(always)]
+fn left_over<S: Simd>(
+    simd: S,
+    phase: S::f32s,
+    (kx, ky): (S::f32s, S::f32s),
+    (ux, uy): (S::f32s, S::f32s),
+) -> S::f32s {
+    let explained = simd.mul_add_e_f32s(kx, ux, simd.mul_f32s(ky, uy));
+    simd.sub_f32s(phase, explained)
+}
+
+/// That of a symmetric matrix.
+#[inline(always)]
+fn determinant<S: Simd>(simd: S, xx: S::f32s, xy: S::f32s, yy: S::f32s) -> S::f32s {
+    determinant_of(simd, (xx, xy), (xy, yy))
+}
+
+/// That of the matrix with these rows.
+#[inline(always)]
+fn determinant_of<S: Simd>(
+    simd: S,
+    (a, b): (S::f32s, S::f32s),
+    (c, d): (S::f32s, S::f32s),
+) -> S::f32s {
+    simd.sub_f32s(simd.mul_f32s(a, d), simd.mul_f32s(b, c))
 }
 
 #[cfg(test)]
@@ -142,16 +174,18 @@ mod tests {
     use v1_gabor::GaborParams;
 
     use super::*;
+    use crate::tile::MOST_ORIENTATIONS;
 
     fn fit(phases: &[f32; 8], params: &MatchParams) -> Fit {
-        let mut phase = [[0.0; TILE]; MOST_ORIENTATIONS];
-        let mut weight = [[0.0; TILE]; MOST_ORIENTATIONS];
+        let mut phase: ByOrientation = [[0.0; TILE]; MOST_ORIENTATIONS];
+        let mut weight: ByOrientation = [[0.0; TILE]; MOST_ORIENTATIONS];
         for q in 0..8 {
             phase[q] = [phases[q]; TILE];
             weight[q] = [1.0; TILE];
         }
         let waves = GaborParams::default().wave_vectors();
-        robust_fit(&phase, &weight, &waves, &[0.0; TILE], params)
+        let planes = (&phase, &weight);
+        robust_fit(pulp::Scalar, planes, &waves, &[0.0; TILE], params)
     }
 
     proptest! {
@@ -181,15 +215,6 @@ mod tests {
                 (fit.ux[0] - ux).hypot(fit.uy[0])
             };
             prop_assert!(miss(2) < 0.5 * miss(0), "{} of {}", miss(2), miss(0));
-        }
-    }
-
-    /// The cosine of the fit is the cosine, to what its comment says.
-    #[test]
-    fn the_cosine_is_the_cosine() {
-        for step in -400..400 {
-            let angle = step as f32 * 0.02;
-            assert!((cosine(angle) - angle.cos()).abs() < 2e-4, "at {angle}");
         }
     }
 }

@@ -1,6 +1,8 @@
-use v1_gabor::{Responses, WaveVector};
+use pulp::Simd;
+use v1_gabor::{Responses, Size, WaveVector};
 
 use crate::tile::MOST_ORIENTATIONS;
+use crate::vector::vector;
 
 /// Reads the responses of one eye between pixels, all orientations at once, by demodulated
 /// interpolation.
@@ -14,7 +16,8 @@ use crate::tile::MOST_ORIENTATIONS;
 /// from the phase difference, where it costs a subtraction in place of a complex product.
 #[derive(Debug)]
 pub(crate) struct Warp<'a> {
-    responses: &'a Responses,
+    samples: &'a [f32],
+    size: Size,
     /// The wave vectors by component, by orientation.
     wave_x: Lanes,
     wave_y: Lanes,
@@ -56,7 +59,8 @@ impl<'a> Warp<'a> {
             sin: by_orientation(&|k| -(k.x * x + k.y * y).sin()),
         });
         Self {
-            responses,
+            samples: responses.samples(),
+            size: responses.size(),
             wave_x: by_orientation(&|k| k.x),
             wave_y: by_orientation(&|k| k.y),
             turns,
@@ -66,9 +70,9 @@ impl<'a> Warp<'a> {
     /// The place `(x, y)` between pixels; `None` outside the image.
     #[inline(always)]
     pub(crate) fn place(&self, x: f32, y: f32) -> Option<Place> {
-        let size = self.responses.size();
-        let inside = |at: f32, length: usize| at >= 0.0 && at <= (length - 1) as f32;
-        if !(inside(x, size.width) && inside(y, size.height)) {
+        let (most_x, most_y) = ((self.size.width - 1) as f32, (self.size.height - 1) as f32);
+        // Written so that NaN is outside.
+        if !(x >= 0.0 && x <= most_x && y >= 0.0 && y <= most_y) {
             return None;
         }
         let (left, above) = (x as usize, y as usize);
@@ -80,61 +84,65 @@ impl<'a> Warp<'a> {
         })
     }
 
-    /// The even and odd parts at a place, turned back by [`turn`](Self::turn), by orientation.
-    /// `LANES` is at least the number of orientations; lanes beyond it hold zeros.
+    /// The samples of the four pixels around a place: of the one above and left of it, then to its
+    /// right, below it, and both; at the image's border those that there are. `parts` to each.
     #[inline(always)]
-    pub(crate) fn read<const LANES: usize>(&self, place: Place) -> ([f32; LANES], [f32; LANES]) {
-        let Place {
-            x,
-            y,
-            beyond_x: fx,
-            beyond_y: fy,
-        } = place;
-        let size = self.responses.size();
-        let (right, below) = ((x + 1).min(size.width - 1), (y + 1).min(size.height - 1));
-        let pixel = self.responses.pixel(x, y);
-        let (mut even, mut odd) = (lanes::<LANES>(pixel.even), lanes::<LANES>(pixel.odd));
-        let weight = (1.0 - fx) * (1.0 - fy);
-        for q in 0..LANES {
-            even[q] *= weight;
-            odd[q] *= weight;
-        }
-        let neighbours = [
-            (right, y, fx * (1.0 - fy)),
-            (x, below, (1.0 - fx) * fy),
-            (right, below, fx * fy),
-        ];
-        for ((x, y, weight), turns) in neighbours.into_iter().zip(&self.turns) {
-            let pixel = self.responses.pixel(x, y);
-            let (re, im) = (lanes::<LANES>(pixel.even), lanes::<LANES>(pixel.odd));
-            for q in 0..LANES {
-                let (cos, sin) = (turns.cos[q], turns.sin[q]);
-                even[q] += weight * (re[q] * cos - im[q] * sin);
-                odd[q] += weight * (re[q] * sin + im[q] * cos);
-            }
+    pub(crate) fn around(&self, place: Place, parts: usize) -> [&'a [f32]; 4] {
+        let Place { x, y, .. } = place;
+        let Size { width, height } = self.size;
+        let (right, below) = ((x + 1).min(width - 1), (y + 1).min(height - 1));
+        let pixel = |x: usize, y: usize| &self.samples[(y * width + x) * parts..][..parts];
+        [
+            pixel(x, y),
+            pixel(right, y),
+            pixel(x, below),
+            pixel(right, below),
+        ]
+    }
+
+    /// The even and odd parts at a place, turned back by [`turn`](Self::turn), of the orientations
+    /// from `q` on that a vector holds. `load` takes a pixel's samples to those orientations' even
+    /// and odd parts.
+    #[inline(always)]
+    pub(crate) fn read<S: Simd>(
+        &self,
+        simd: S,
+        place: Place,
+        q: usize,
+        parts: [(S::f32s, S::f32s); 4],
+    ) -> (S::f32s, S::f32s) {
+        let (fx, fy) = (place.beyond_x, place.beyond_y);
+        let weight = simd.splat_f32s((1.0 - fx) * (1.0 - fy));
+        let mut even = simd.mul_f32s(weight, parts[0].0);
+        let mut odd = simd.mul_f32s(weight, parts[0].1);
+        let weights = [fx * (1.0 - fy), (1.0 - fx) * fy, fx * fy];
+        for i in 0..3 {
+            let weight = simd.splat_f32s(weights[i]);
+            let (re, im) = parts[i + 1];
+            let cos = simd.mul_f32s(weight, vector(simd, &self.turns[i].cos, q));
+            let sin = simd.mul_f32s(weight, vector(simd, &self.turns[i].sin, q));
+            even = simd.mul_add_e_f32s(re, cos, even);
+            even = simd.mul_add_e_f32s(im, simd.neg_f32s(sin), even);
+            odd = simd.mul_add_e_f32s(re, sin, odd);
+            odd = simd.mul_add_e_f32s(im, cos, odd);
         }
         (even, odd)
     }
 
-    /// The turn `k_q.beyond` that [`read`](Self::read) leaves out, in radians, by orientation.
+    /// The turn `k_q.beyond` that [`read`](Self::read) leaves out, in radians, for the orientations
+    /// from `q` on that a vector holds.
     #[inline(always)]
-    pub(crate) fn turn<const LANES: usize>(&self, place: Place) -> [f32; LANES] {
-        let mut turn = [0.0; LANES];
-        for q in 0..LANES {
-            turn[q] = self.wave_x[q] * place.beyond_x + self.wave_y[q] * place.beyond_y;
-        }
-        turn
+    pub(crate) fn turn<S: Simd>(&self, simd: S, place: Place, q: usize) -> S::f32s {
+        let along_y = simd.mul_f32s(
+            vector(simd, &self.wave_y, q),
+            simd.splat_f32s(place.beyond_y),
+        );
+        simd.mul_add_e_f32s(
+            vector(simd, &self.wave_x, q),
+            simd.splat_f32s(place.beyond_x),
+            along_y,
+        )
     }
-}
-
-/// Numbers by orientation in an array of known length, zeros behind them.
-#[inline(always)]
-pub(crate) fn lanes<const LANES: usize>(numbers: &[f32]) -> [f32; LANES] {
-    numbers.try_into().unwrap_or_else(|_| {
-        let mut lanes = [0.0; LANES];
-        lanes[..numbers.len()].copy_from_slice(numbers);
-        lanes
-    })
 }
 
 #[cfg(test)]
@@ -145,6 +153,15 @@ mod tests {
     use v1_gabor::{FilterBank, GaborParams, LumaImage, Size};
 
     use super::*;
+
+    /// The response of orientation `q` at a place, by way of the kernel's own parts.
+    fn read(warp: &Warp<'_>, place: Place, q: usize) -> Complex32 {
+        let simd = pulp::Scalar;
+        let around = warp.around(place, 16);
+        let parts = around.map(|pixel| (pixel[q], pixel[8 + q]));
+        let (even, odd) = warp.read(simd, place, q, parts);
+        Complex32::new(even, odd) * Complex32::cis(warp.turn(simd, place, q))
+    }
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(32))]
@@ -170,9 +187,7 @@ mod tests {
             let moved = draw((fx, fy));
             let warp = Warp::new(&still.scales()[0], &waves);
             let place = warp.place(19.0 + fx, 21.0 + fy).unwrap();
-            let (even, odd) = warp.read::<8>(place);
-            let turn = warp.turn::<8>(place)[q];
-            let read = Complex32::new(even[q], odd[q]) * Complex32::cis(turn);
+            let read = read(&warp, place, q);
             let expected = moved.scales()[0].at(q, 19, 21);
             prop_assert!((read - expected).norm() < 0.02 * expected.norm(), "{read} {expected}");
         }

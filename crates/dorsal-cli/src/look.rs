@@ -105,7 +105,7 @@ fn plan(arguments: &LookArguments, size: Size) -> anyhow::Result<Plan> {
     Ok(Plan {
         gabor: gabor.fitted_to(size),
         matching: MatchParams {
-            energy_threshold: arguments.energy_threshold,
+            energy_threshold: arguments.energy_threshold.unwrap_or(steps.energy_threshold),
             // The command line speaks the sign of files.
             zero_disparity_px: (0.0 - arguments.zero_disparity, 0.0),
             ..steps

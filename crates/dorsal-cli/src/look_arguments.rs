@@ -51,9 +51,10 @@ pub(crate) struct LookArguments {
     #[arg(long, value_name = "N", default_value_t = GaborParams::default().scales, value_parser = scales)]
     pub(crate) scales: usize,
 
-    /// Least energy an orientation needs to be heard; 1e-7 hears weaker textures
-    #[arg(long, value_name = "X", default_value = "1e-6", value_parser = energy)]
-    pub(crate) energy_threshold: f32,
+    /// Least energy an orientation needs to be heard; without it 1e-7, and the paper's 1e-6 with
+    /// --published
+    #[arg(long, value_name = "X", value_parser = energy)]
+    pub(crate) energy_threshold: Option<f32>,
 
     /// Disparity from which the search starts, x_left - x_right in pixels
     #[arg(long, value_name = "PX", default_value_t = 0.0, value_parser = finite, allow_negative_numbers = true)]

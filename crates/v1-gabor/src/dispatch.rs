@@ -1,7 +1,7 @@
 use pulp::{Arch, NullaryFnOnce};
 
 use crate::lanes::MOST_RADIUS;
-use crate::machine::{Machine, Plain};
+use crate::machine::Machine;
 use crate::strip_kernel::{StripKernel, StripWorkspace};
 
 /// The instructions that a bank may use.
@@ -63,7 +63,7 @@ impl Rows<'_> {
             (Instructions::Widest, Arch::V3(v3)) => {
                 v3.vectorize(Compiled::<RADIUS, 8, _>(self, v3));
             }
-            _ => Compiled::<RADIUS, 8, _>(self, Plain).call(),
+            _ => Compiled::<RADIUS, 8, _>(self, pulp::Scalar).call(),
         }
     }
 }

@@ -3,7 +3,8 @@ use crate::separable::Kernel;
 
 /// One value for each of the neighbouring pixels that are filtered together: as many as the
 /// machine's vectors hold.
-pub(crate) type Lanes<const LANES: usize> = [f32; LANES];
+#[allow(unreachable_pub, reason = "the hidden module machine speaks of it")]
+pub type Lanes<const LANES: usize> = [f32; LANES];
 
 /// The most lanes of any machine.
 pub(crate) const MOST_LANES: usize = 16;

@@ -73,7 +73,9 @@ mod lanes;
 mod local_phase;
 mod logarithmic_derivative;
 mod luma_image;
-mod machine;
+// What level 2's kernel shares with the bank's; no part of the interface.
+#[doc(hidden)]
+pub mod machine;
 mod monogenic_bank;
 mod monogenic_params;
 mod monogenic_responses;

@@ -6,18 +6,23 @@ use crate::lanes::Lanes;
 ///
 /// A trait of its own, and not the vector library's, since the portable machine works on several
 /// lanes too, and since it has to turn rows into columns.
-pub(crate) trait Machine<const LANES: usize>: Copy {
+pub trait Machine<const LANES: usize>: Copy {
     /// As many values, in a register if the machine has one so wide.
     type Vector: Copy;
 
+    /// The values as a vector.
     fn load(self, values: &Lanes<LANES>) -> Self::Vector;
 
+    /// The vector's values.
     fn store(self, vector: Self::Vector) -> Lanes<LANES>;
 
+    /// `a + b`.
     fn add(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
 
+    /// `a - b`.
     fn subtract(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
 
+    /// `a b`.
     fn multiply(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
 
     /// `a b + c`: in one rounding where there is an instruction for it.
@@ -28,10 +33,7 @@ pub(crate) trait Machine<const LANES: usize>: Copy {
 }
 
 /// Any machine that the target is compiled for.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Plain;
-
-impl Machine<8> for Plain {
+impl Machine<8> for pulp::Scalar {
     type Vector = Lanes<8>;
 
     #[inline(always)]
@@ -236,7 +238,7 @@ mod tests {
 
     #[test]
     fn rows_become_columns() {
-        turns(Plain);
+        turns(pulp::Scalar);
         #[cfg(target_arch = "x86_64")]
         {
             if let Some(v3) = pulp::x86::V3::try_new() {

@@ -44,6 +44,16 @@ impl Responses {
         Self { params, samples }
     }
 
+    /// Every number, row-major `[[y, x, part]]`: for each pixel the even (real) parts of all
+    /// orientations, then the odd (imaginary) ones. For who walks whole rows.
+    #[inline(always)]
+    #[must_use]
+    pub fn samples(&self) -> &[f32] {
+        self.samples
+            .as_slice()
+            .expect("responses are kept in row-major order")
+    }
+
     /// The samples, row-major, to be written over.
     pub(crate) fn samples_mut(&mut self) -> &mut [f32] {
         self.samples
@@ -84,11 +94,7 @@ impl Responses {
             "no pixel ({x}, {y}) in {width} x {height}"
         );
         let start = (y * width + x) * parts;
-        let samples = self
-            .samples
-            .as_slice()
-            .expect("responses are kept in row-major order");
-        let (even, odd) = samples[start..start + parts].split_at(parts / 2);
+        let (even, odd) = self.samples()[start..start + parts].split_at(parts / 2);
         PixelResponses { even, odd }
     }
 
