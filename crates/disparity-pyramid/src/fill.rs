@@ -1,10 +1,15 @@
+use std::ops::Range;
+
 use ndarray::Array2;
+use rayon::prelude::*;
 
 use crate::Validity;
 use crate::refine::Shifts;
 
 /// Half the width of the window that is looked at, in pixels.
 const REACH: usize = 2;
+
+const CONTIGUOUS: &str = "planes are made in row-major order";
 
 /// Makes a pixel without an answer of its own (too little energy, or incoherent) valid if at least
 /// so many of the 5 x 5 pixels around it are: the medians have given it their value by then. What
@@ -16,47 +21,58 @@ pub(crate) fn fill(shifts: &mut Shifts, least: Option<usize>) {
     let Some(least) = least else {
         return;
     };
+    let least = least.max(1);
     let (height, width) = shifts.dx.dim();
-    let mut filled: Vec<((usize, usize), f32)> = Vec::new();
-    let mut columns = vec![(0usize, 0.0f32); width];
-    for y in 0..height {
-        let rows = y.saturating_sub(REACH)..(y + REACH + 1).min(height);
-        for (x, column) in columns.iter_mut().enumerate() {
-            *column = rows
-                .clone()
-                .fold((0, 0.0), |sum, v| add(sum, at(shifts, v, x)));
-        }
-        for x in 0..width {
-            if !matches!(
-                shifts.validity[[y, x]],
-                Validity::NoEnergy | Validity::Incoherent
-            ) {
-                continue;
+    let validity = shifts.validity.as_slice().expect(CONTIGUOUS);
+    let filled: Vec<_> = (0..height)
+        .into_par_iter()
+        .flat_map_iter(|y| {
+            let mut columns = vec![0u8; width];
+            for row in around(y, height) {
+                for (column, validity) in columns.iter_mut().zip(&validity[row * width..]) {
+                    *column += u8::from(validity.is_valid());
+                }
             }
-            let window = &columns[x.saturating_sub(REACH)..(x + REACH + 1).min(width)];
-            let (valid, residual) = window.iter().copied().fold((0, 0.0), add);
-            if valid >= least.max(1) {
-                filled.push(((y, x), residual / valid as f32));
-            }
-        }
-    }
-    for (place, residual) in filled {
+            let asks = move |x: &usize| {
+                matches!(
+                    validity[y * width + x],
+                    Validity::NoEnergy | Validity::Incoherent
+                )
+            };
+            let answered = move |x: &usize| {
+                let columns = &columns[around(*x, width)];
+                columns
+                    .iter()
+                    .map(|&valid| usize::from(valid))
+                    .sum::<usize>()
+                    >= least
+            };
+            (0..width)
+                .filter(asks)
+                .filter(answered)
+                .map(move |x| (y, x))
+        })
+        .collect();
+    let residuals: Vec<f32> = filled
+        .iter()
+        .map(|&(y, x)| {
+            let places = around(y, height).flat_map(|v| around(x, width).map(move |u| [v, u]));
+            let valid = places.filter(|&place| shifts.validity[place].is_valid());
+            let (count, sum) = valid.fold((0.0, 0.0), |(count, sum), place| {
+                (count + 1.0, sum + shifts.residual[place])
+            });
+            sum / count
+        })
+        .collect();
+    for (place, residual) in filled.into_iter().zip(residuals) {
         shifts.validity[place] = Validity::Valid;
         shifts.residual[place] = residual;
     }
 }
 
-/// Whether a pixel is valid, as a number, and its residual if it is.
-fn at(shifts: &Shifts, y: usize, x: usize) -> (usize, f32) {
-    if shifts.validity[[y, x]].is_valid() {
-        (1, shifts.residual[[y, x]])
-    } else {
-        (0, 0.0)
-    }
-}
-
-fn add(a: (usize, f32), b: (usize, f32)) -> (usize, f32) {
-    (a.0 + b.0, a.1 + b.1)
+/// The rows or columns that a window around one of them reaches, of `length`.
+fn around(at: usize, length: usize) -> Range<usize> {
+    at.saturating_sub(REACH)..(at + REACH + 1).min(length)
 }
 
 impl Shifts {

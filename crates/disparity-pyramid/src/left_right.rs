@@ -1,4 +1,4 @@
-use ndarray::{Array2, Zip};
+use ndarray::Zip;
 
 use crate::Validity;
 use crate::refine::Shifts;
@@ -16,30 +16,29 @@ pub(crate) fn check(there: &mut Shifts, back: &Shifts, scale: usize, tolerance_p
     let (height, width) = there.dx.dim();
     let (back_height, back_width) = back.dx.dim();
     let grow = 2.0f32.powi(scale as i32);
-    let verdicts = Array2::from_shape_fn((height, width), |(y, x)| {
-        let validity = there.validity[[y, x]];
-        if !validity.is_valid() {
-            return validity;
-        }
-        let (dx, dy) = (there.dx[[y, x]], there.dy[[y, x]]);
-        let (u, v) = ((x as f32 + dx).round(), (y as f32 + dy).round());
-        if !(u >= 0.0 && v >= 0.0 && u < width as f32 && v < height as f32) {
-            return Validity::OutOfView;
-        }
-        let place = [
-            (((y as f32 + dy) / grow).round() as usize).min(back_height - 1),
-            (((x as f32 + dx) / grow).round() as usize).min(back_width - 1),
-        ];
-        let (miss_x, miss_y) = (dx + grow * back.dx[place], dy + grow * back.dy[place]);
-        if miss_x.hypot(miss_y) <= tolerance_px {
-            Validity::Valid
-        } else if miss_x > 0.0 {
-            Validity::Occluded
-        } else {
-            Validity::Inconsistent
-        }
-    });
-    Zip::from(&mut there.validity)
-        .and(&verdicts)
-        .for_each(|validity, verdict| *validity = *verdict);
+    let (most_x, most_y) = (width as f32 - 0.5, height as f32 - 0.5);
+    Zip::indexed(&mut there.validity)
+        .and(&there.dx)
+        .and(&there.dy)
+        .par_for_each(|(y, x), validity, &dx, &dy| {
+            if !validity.is_valid() {
+                return;
+            }
+            let (u, v) = (x as f32 + dx, y as f32 + dy);
+            *validity = if u >= -0.5 && v >= -0.5 && u < most_x && v < most_y {
+                // The nearest pixel of the other eye; what is above zero rounds by truncation.
+                let nearest = |at: f32, length: usize| ((at / grow + 0.5) as usize).min(length - 1);
+                let place = [nearest(v, back_height), nearest(u, back_width)];
+                let (miss_x, miss_y) = (dx + grow * back.dx[place], dy + grow * back.dy[place]);
+                if miss_x * miss_x + miss_y * miss_y <= tolerance_px * tolerance_px {
+                    Validity::Valid
+                } else if miss_x > 0.0 {
+                    Validity::Occluded
+                } else {
+                    Validity::Inconsistent
+                }
+            } else {
+                Validity::OutOfView
+            };
+        });
 }
