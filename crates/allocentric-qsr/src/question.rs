@@ -2,7 +2,8 @@
 
 use crate::certainty::Certainty;
 use crate::ground_extent::GroundExtent;
-use crate::scene_memory::{Observer, SceneMemory};
+use crate::observer::Observer;
+use crate::scene_memory::SceneMemory;
 use crate::{DepthSet, FreePath, ObjectId, OrientationSet};
 
 impl SceneMemory {

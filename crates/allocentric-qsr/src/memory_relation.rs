@@ -1,0 +1,133 @@
+//! The relations between remembered objects.
+
+use std::collections::BTreeSet;
+
+use crate::egocentric_place::read_between;
+use crate::explanation::Explanation;
+use crate::ground_estimate::GroundEstimate;
+use crate::ground_extent::GroundExtent;
+use crate::life::Life;
+use crate::observer::Observer;
+use crate::scene_memory::SceneMemory;
+use crate::squared_bounds::SquaredBounds;
+use crate::{DepthSet, Mode, ObjectId, Places, Reason, Relation};
+
+impl SceneMemory {
+    /// Where `to` is at `from`, seen by an observer: measured where a frame has both, else what
+    /// follows from facts and from the objects that two frames share. `None` if one of them is
+    /// unknown or gone, or both are one.
+    #[must_use]
+    pub fn relation(
+        &self,
+        from: &ObjectId,
+        to: &ObjectId,
+        observer: &Observer,
+    ) -> Option<Relation> {
+        if from == to || !(self.is_known(from) && self.is_known(to)) {
+            return None;
+        }
+        let measured = self.common_frame(from, to);
+        let mut places = Places::all(&self.reference);
+        let mut read = None;
+        let mut reason = Reason::Composed {
+            look: None,
+            through: Vec::new(),
+        };
+        if let Some((frame, first, second)) = measured {
+            let qualify = self.params.qualify;
+            let [a, b] = [first, second].map(|place| GroundExtent::of(&place, qualify.sigmas));
+            places.depth = a.depth_to(b, &SquaredBounds::of(&self.reference));
+            if let Some((pose, extent)) = self.observer_extent(frame, observer) {
+                places.orientation = a.orientation_of(b, extent);
+                read = Some(read_between(
+                    first.seen_from(pose),
+                    second.seen_from(pose),
+                    &self.reference,
+                    qualify.axis_tolerance_rad,
+                ));
+            }
+            reason = Reason::Measured {
+                looks: [from, to].map(|object| self.objects[object].last_look),
+            };
+        }
+        if measured.is_none() || !self.facts.is_empty() {
+            let asked = BTreeSet::from([from.clone(), to.clone()]);
+            // What the memory holds has been checked, so the network is not refuted.
+            let network = self.network(&asked).ok()?;
+            let narrowed = network.depth(from, to)?;
+            if measured.is_none() || narrowed != places.depth {
+                reason = Reason::Composed {
+                    look: None,
+                    through: through(&network.explain(from, to)?),
+                };
+            }
+            places.depth &= narrowed;
+        }
+        Some(Relation {
+            from: from.clone(),
+            to: to.clone(),
+            places,
+            read,
+            mode: Mode::Sound,
+            reason,
+        })
+    }
+
+    /// Why the distance between two objects may be in no other class, down to facts and looks.
+    #[must_use]
+    pub fn explain(&self, from: &ObjectId, to: &ObjectId) -> Option<Explanation> {
+        if from == to || !(self.is_known(from) && self.is_known(to)) {
+            return None;
+        }
+        let asked = BTreeSet::from([from.clone(), to.clone()]);
+        self.network(&asked).ok()?.explain(from, to)
+    }
+
+    /// The distance classes of all pairs of the objects of the present frame, requalified from
+    /// their places: for each pair of names in order, the first before the second.
+    #[must_use]
+    pub fn depths(&self) -> Vec<DepthSet> {
+        let sigmas = self.params.qualify.sigmas;
+        let extents: Vec<GroundExtent> = self
+            .present()
+            .map(|(_, _, estimate)| GroundExtent::of(estimate, sigmas))
+            .collect();
+        let pairs = extents.len() * extents.len().saturating_sub(1) / 2;
+        let bounds = SquaredBounds::of(&self.reference);
+        let mut depths = Vec::with_capacity(pairs);
+        for (at, &first) in extents.iter().enumerate() {
+            let others = extents[at + 1..].iter();
+            depths.extend(others.map(|&second| first.depth_to(second, &bounds)));
+        }
+        depths
+    }
+
+    /// The latest frame that has seen both, with their places there.
+    fn common_frame(
+        &self,
+        from: &ObjectId,
+        to: &ObjectId,
+    ) -> Option<(u32, GroundEstimate, GroundEstimate)> {
+        let living = |object| {
+            self.objects
+                .get(object)
+                .filter(|kept| kept.life != Life::Removed)
+        };
+        let (first, second) = (living(from)?, living(to)?);
+        let mut frames = first.places.iter().rev();
+        frames.find_map(|(&frame, &place)| Some((frame, place, *second.places.get(&frame)?)))
+    }
+}
+
+/// The objects an explanation goes through, by name.
+fn through(explanation: &Explanation) -> Vec<ObjectId> {
+    let ends = explanation.conclusion().map(|step| step.between.clone());
+    let all: BTreeSet<ObjectId> = explanation
+        .steps
+        .iter()
+        .flat_map(|step| step.between.iter().cloned())
+        .collect();
+    all.into_iter()
+        .filter(|name| ends.as_ref().is_none_or(|ends| !ends.contains(name)))
+        .collect()
+}
