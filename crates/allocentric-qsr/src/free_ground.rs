@@ -26,7 +26,7 @@ impl SceneMemory {
             let place = AskedPlace {
                 right_m: right * cos + forward * sin,
                 forward_m: forward * cos - right * sin,
-                height_m: 0.0,
+                height_m: f64::from(self.params.above_ground_mm) / 1e3,
                 within_m: cell as f64 / 2e3,
             };
             if evidence.at(place) == Evidence::FreeSpace {

@@ -1,6 +1,7 @@
 use std::fmt;
 
 use crate::observer::Observer;
+use crate::words::word;
 use crate::{ObjectId, OrientationSet};
 
 /// A question in words.
@@ -17,7 +18,7 @@ use crate::{ObjectId, OrientationSet};
 /// | `where A` | where A is for the robot |
 /// | `explain A from B` | why the distance of A from B is what it is |
 ///
-/// Names and classes are single words; `robot` is the robot. CLASSES and LABELS are joined by
+/// Names and classes are single words, or stand in double quotes; `robot` is the robot. CLASSES and LABELS are joined by
 /// commas. Of the labels, `front`, `back`, `left` and `right` are half the plane each with its two
 /// quadrants and the ray between (`right` is `fr,r,br`); the nine names and short labels of
 /// [`Orientation`] are themselves, so an exact ray is asked for as `sf`, `l`, `r` or `sb`. Labels
@@ -98,11 +99,8 @@ impl fmt::Display for Query {
                 from,
                 seen_from,
             } => {
-                write!(
-                    f,
-                    "relation {of} from {from} seen from {}",
-                    place(seen_from)
-                )
+                let (of, from, by) = (word(of), word(from), place(seen_from));
+                write!(f, "relation {of} from {from} seen from {by}")
             }
             Self::Which(conditions) => {
                 for (at, condition) in conditions.iter().enumerate() {
@@ -120,29 +118,30 @@ impl fmt::Display for Query {
                 }
                 Ok(())
             }
-            Self::Between(a, b) => write!(f, "between {a} and {b}"),
+            Self::Between(a, b) => write!(f, "between {} and {}", word(a), word(b)),
             Self::Reachable {
                 object,
                 reach_m,
                 radius_m,
             } => {
+                let object = word(object);
                 write!(f, "reachable {object} within {reach_m} radius {radius_m}")
             }
             Self::FreePath { from, to, radius_m } => {
                 let (from, to) = (place(from), place(to));
                 write!(f, "free_path from {from} to {to} radius {radius_m}")
             }
-            Self::LastSeen(object) => write!(f, "last_seen {object}"),
-            Self::Where(object) => write!(f, "where {object}"),
-            Self::Explain(of, from) => write!(f, "explain {of} from {from}"),
+            Self::LastSeen(object) => write!(f, "last_seen {}", word(object)),
+            Self::Where(object) => write!(f, "where {}", word(object)),
+            Self::Explain(of, from) => write!(f, "explain {} from {}", word(of), word(from)),
         }
     }
 }
 
 /// A place in words. A pose has none of its own in the language, where the robot is meant.
-fn place(at: &Observer) -> &str {
+fn place(at: &Observer) -> String {
     match at {
-        Observer::Object(object) => object.as_str(),
-        Observer::Robot | Observer::At(_) => "robot",
+        Observer::Object(object) => word(object),
+        Observer::Robot | Observer::At(_) => "robot".to_owned(),
     }
 }

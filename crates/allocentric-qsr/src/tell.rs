@@ -2,14 +2,12 @@
 
 use std::collections::BTreeSet;
 
-use crate::DepthSet;
 use crate::memory_change::Change;
 use crate::memory_params::Policy;
 use crate::query::BadQuery;
 use crate::refused::Refused;
 use crate::scene_memory::SceneMemory;
 use crate::told_fact::ToldFact;
-use crate::words::Words;
 
 impl SceneMemory {
     /// Takes in a told fact.
@@ -46,40 +44,18 @@ impl SceneMemory {
         Ok(vec![change])
     }
 
-    /// Reads a fact in words: `A within CLASSES of B`.
+    /// Reads a fact in words: see [`ToldFact::read`].
     ///
     /// # Errors
     /// [`BadQuery`] for words of another form, [`BadQuery::Word`] for a class that is none.
     pub fn read_fact(&self, words: &str) -> Result<ToldFact, BadQuery> {
-        let mut words = Words::of(words);
-        let of = words.name()?;
-        words.expect("within", "`within`")?;
-        let classes = words.list("distance classes")?;
-        words.expect("of", "`of`")?;
-        let from = words.name()?;
-        words.end()?;
-        let classes = classes.iter().map(|label| {
-            self.reference
-                .class_named(label)
-                .ok_or_else(|| BadQuery::Word {
-                    found: label.clone(),
-                    expected: "a distance class",
-                })
-        });
-        Ok(ToldFact {
-            between: [from, of],
-            depth: classes.collect::<Result<DepthSet, BadQuery>>()?,
-        })
+        ToldFact::read(words, &self.reference)
     }
 
     /// A fact in the words of the query language.
     #[must_use]
     pub fn words(&self, fact: &ToldFact) -> String {
-        let [a, b] = &fact.between;
-        format!(
-            "{b} within {} of {a}",
-            self.reference.labels(fact.depth).join(",")
-        )
+        fact.words(&self.reference)
     }
 
     /// Facts and places must hold together; by policy the newest fact yields to what is seen.

@@ -5,11 +5,13 @@ use crate::query::{BadQuery, Condition, Query};
 use crate::{ObjectId, Orientation, OrientationSet};
 
 /// The words of a question or a fact, taken one by one.
-pub(crate) struct Words<'q>(std::iter::Peekable<std::str::SplitWhitespace<'q>>);
+///
+/// White space parts words, but not between double quotes: `"tall carton"` is one word.
+pub(crate) struct Words<'q>(std::iter::Peekable<std::vec::IntoIter<&'q str>>);
 
 impl<'q> Words<'q> {
     pub(crate) fn of(text: &'q str) -> Self {
-        Self(text.split_whitespace().peekable())
+        Self(split(text).into_iter().peekable())
     }
 
     fn next(&mut self, expected: &'static str) -> Result<&'q str, BadQuery> {
@@ -106,6 +108,35 @@ impl<'q> Words<'q> {
                 expected: "the end of the question",
             })
         })
+    }
+}
+
+/// The words of a text; a quote that is not closed ends with the text.
+fn split(mut text: &str) -> Vec<&str> {
+    let mut words = Vec::new();
+    loop {
+        text = text.trim_start();
+        if let Some(quoted) = text.strip_prefix('"') {
+            let (word, rest) = quoted.split_once('"').unwrap_or((quoted, ""));
+            words.push(word);
+            text = rest;
+        } else if text.is_empty() {
+            return words;
+        } else {
+            let end = text.find(char::is_whitespace).unwrap_or(text.len());
+            words.push(&text[..end]);
+            text = &text[end..];
+        }
+    }
+}
+
+/// The name of an object as a word: in quotes where white space would part it.
+pub(crate) fn word(name: &ObjectId) -> String {
+    let name = name.as_str();
+    if name.is_empty() || name.contains(char::is_whitespace) {
+        format!("\"{name}\"")
+    } else {
+        name.to_owned()
     }
 }
 
