@@ -109,7 +109,8 @@ pub(crate) struct AddArguments {
     #[arg(long, value_name = "MS")]
     pub(crate) time: Option<u64>,
 
-    /// How far below the eyes the ground lies on which the objects stand, in metres
+    /// How far below the eyes the ground lies on which the objects stand, in metres; heights are
+    /// counted from it, so every look of one memory needs it, or none [default: 0]
     #[arg(long, value_name = "M", value_parser = height)]
     pub(crate) eyes_height: Option<f64>,
 
