@@ -28,6 +28,7 @@ impl SceneMemory {
                 forward_m: forward * cos - right * sin,
                 height_m: f64::from(self.params.above_ground_mm) / 1e3,
                 within_m: cell as f64 / 2e3,
+                radius_m: 0.0,
             };
             if evidence.at(place) == Evidence::FreeSpace {
                 self.free.insert((column, row));

@@ -63,11 +63,13 @@ impl SceneMemory {
         let place = self.from_robot(object)?;
         let kept = &self.objects[object];
         let [[rr, _], [_, ff]] = place.covariance_m2;
+        let radius_m = f64::from(kept.radius_mm) / 1e3;
         Some(AskedPlace {
             right_m: place.right_m,
             forward_m: place.forward_m,
             height_m: f64::from(kept.height_mm) / 1e3,
-            within_m: f64::from(kept.radius_mm) / 1e3 + 3.0 * rr.max(ff).sqrt(),
+            within_m: radius_m + 3.0 * rr.max(ff).sqrt(),
+            radius_m,
         })
     }
 }

@@ -142,6 +142,7 @@ fn check(
             forward_m: dz * cos - dx * sin,
             height_m: 0.0,
             within_m: f64::from(kept.radius_mm) / 1e3 + 3.0 * right.max(ahead).sqrt(),
+            radius_m: f64::from(kept.radius_mm) / 1e3,
         });
         let count = counts.entry(name.clone()).or_default();
         *count += u32::from(answer == Evidence::FreeSpace);

@@ -1,23 +1,22 @@
 use allocentric_qsr::{AskedPlace, Evidence, LookEvidence};
 use egocentric_depth::{DepthMap, Eye, Head, Observer, Position, StereoRig};
 
-/// Samples along each side of the window that a place is judged by.
+/// Lines of sight along each side of the window that a place is judged by.
 const SAMPLES: usize = 32;
 
-/// One in so many known depths may be stray: a wrong match, not a surface.
-const STRAY: usize = 20;
+/// One in so many depths may be stray: a wrong match, not a surface.
+const STRAY: f64 = 1.0 / 20.0;
 
 /// A depth map that tells a memory what it shows of places where nothing was reported.
 ///
-/// A place is the ball of `within_m` around a point. Its window is the smallest upright rectangle of
-/// pixels of the left image that holds the ball; every known depth there is compared with the
-/// nearest and the farthest the ball reaches along the head's forward axis, three standard errors
-/// of the depth beyond. The place is
+/// A place is the ball of `within_m` around a point. Every line of sight of the left eye that meets
+/// the ball is compared with the depth measured on it: the surface lies *behind* the ball, or in
+/// *front* of it, where it is so by three standard errors of the depth. The place is
 ///
-/// - [`Evidence::FreeSpace`] where the whole window is in the image, at least half of it has a known
-///   depth, and all but one in twenty of those lie behind: no place is called free by what was not
-///   measured;
-/// - [`Evidence::Occluded`] where more than half of the window lies in front;
+/// - [`Evidence::FreeSpace`] where the whole ball is in the image and what is left, the lines that do
+///   not end behind it, is less than half of what the object would cover: neither the object nor a
+///   hole that could hide it is there. Where the object has no radius, one line in twenty may be left;
+/// - [`Evidence::Occluded`] where more than half of the lines end in front;
 /// - [`Evidence::OutOfView`] where the point is not in the image;
 /// - [`Evidence::NoEvidence`] else: a hole, no texture, one eye only, or a surface in the place
 ///   itself, which may be the object.
@@ -75,6 +74,28 @@ impl<'a> DepthEvidence<'a> {
         }
         Some(window)
     }
+
+    /// The depths at which the line of sight of a pixel enters and leaves a ball, if it meets it.
+    fn meets(
+        &self,
+        (x, y): (usize, usize),
+        centre: Position<Head>,
+        within_m: f64,
+    ) -> Option<(f64, f64)> {
+        let ray = self.eye.ray((x as f64, y as f64));
+        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let (from, to) = (ray.origin.to_array(), centre.to_array());
+        let way: [f64; 3] = std::array::from_fn(|axis| to[axis] - from[axis]);
+        // The nearest point of the line to the centre, and half the chord to either side of it.
+        let length = dot(ray.direction, ray.direction);
+        let middle = dot(way, ray.direction) / length;
+        let chord = (within_m * within_m - dot(way, way)) / length + middle * middle;
+        (chord >= 0.0).then(|| {
+            let half = chord.sqrt();
+            let depth = |along: f64| ray.origin.z_m + along * ray.direction[2];
+            (depth(middle - half), depth(middle + half))
+        })
+    }
 }
 
 impl LookEvidence for DepthEvidence<'_> {
@@ -95,26 +116,28 @@ impl LookEvidence for DepthEvidence<'_> {
         };
         let whole = in_image((window.columns.0, window.rows.0))
             && in_image((window.columns.1, window.rows.1));
-        let (near_m, far_m) = (centre.z_m - place.within_m, centre.z_m + place.within_m);
         // The error of a depth grows with its square along a line of sight.
         let relative =
             3.0 * self.rig.depth_sigma_m(centre, self.disparity_sigma_px) / centre.z_m.powi(2);
-        let (mut asked, mut known, mut before, mut behind) = (0, 0, 0, 0);
+        let (mut asked, mut before, mut behind) = (0, 0, 0);
         for y in samples(window.rows, size.height) {
             for x in samples(window.columns, size.width) {
-                asked += 1;
-                let Some(z_m) = self.depth.at(x, y).map(f64::from) else {
+                let Some((near_m, far_m)) = self.meets((x, y), centre, place.within_m) else {
                     continue;
                 };
+                asked += 1;
+                // Comparisons with an unknown depth are false.
+                let z_m = self.depth.at(x, y).map_or(f64::NAN, f64::from);
                 let error_m = relative * z_m * z_m;
-                known += 1;
-                before += usize::from(z_m + error_m < near_m);
-                behind += usize::from(z_m - error_m > far_m);
+                before += u32::from(z_m + error_m < near_m);
+                behind += u32::from(z_m - error_m > far_m);
             }
         }
+        let covered = (place.radius_m / place.within_m).powi(2);
+        let left = f64::from(asked) * STRAY.max(covered / 2.0);
         if 2 * before > asked {
             Evidence::Occluded
-        } else if whole && 2 * known >= asked && STRAY * (known - behind) <= known {
+        } else if whole && asked > 0 && f64::from(asked - behind) <= left {
             Evidence::FreeSpace
         } else {
             Evidence::NoEvidence
