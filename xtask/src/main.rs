@@ -8,6 +8,9 @@
 )]
 
 mod bounds;
+mod calculus_pictures;
+mod calculus_results;
+mod check_soundness;
 mod continuous;
 mod data_folder;
 mod date;
@@ -16,6 +19,8 @@ mod error_picture;
 mod estimator;
 mod eval_middlebury;
 mod evaluation;
+mod export_gqr;
+mod lot;
 mod machine;
 mod manifest;
 mod markdown_table;
@@ -25,6 +30,7 @@ mod results_page;
 mod score;
 mod score_tables;
 mod sha256;
+mod soak_memory;
 mod table_1;
 mod textured;
 mod visible;
@@ -46,12 +52,22 @@ struct Tasks {
 #[derive(Debug, Subcommand)]
 enum Task {
     EvalMiddlebury(eval_middlebury::Options),
+    CheckSoundness(check_soundness::Options),
+    SoakMemory(soak_memory::Options),
+    ExportGqr(export_gqr::Options),
+    CalculusPictures(calculus_pictures::Options),
+    CalculusResults(calculus_results::Options),
 }
 
 fn main() -> ExitCode {
     let Tasks { task } = Tasks::parse();
     let done = match task {
         Task::EvalMiddlebury(options) => eval_middlebury::run(&options),
+        Task::CheckSoundness(options) => check_soundness::run(&options),
+        Task::SoakMemory(options) => soak_memory::run(&options),
+        Task::ExportGqr(options) => export_gqr::run(&options),
+        Task::CalculusPictures(options) => calculus_pictures::run(&options),
+        Task::CalculusResults(options) => calculus_results::run(&options),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -95,6 +95,7 @@ pub struct ConstraintNetwork {
 #[derive(Clone, Debug)]
 enum Cells {
     Narrow(PathClosure<u8>),
+    Middle(PathClosure<u16>),
     Wide(PathClosure<u32>),
 }
 
@@ -156,6 +157,7 @@ impl ConstraintNetwork {
         }
         let settled = match &mut self.cells {
             Cells::Narrow(cells) => carry(cells, &self.table, &told),
+            Cells::Middle(cells) => carry(cells, &self.table, &told),
             Cells::Wide(cells) => carry(cells, &self.table, &told),
         };
         if let Ok(narrowed) = settled {
@@ -192,6 +194,7 @@ impl ConstraintNetwork {
     pub fn bytes(&self) -> usize {
         match &self.cells {
             Cells::Narrow(cells) => cells.bytes(),
+            Cells::Middle(cells) => cells.bytes(),
             Cells::Wide(cells) => cells.bytes(),
         }
     }
@@ -251,6 +254,8 @@ impl Cells {
     fn universal(table: &WordTable, count: usize) -> Self {
         if table.is_narrow() {
             Self::Narrow(PathClosure::universal(count, table.all()))
+        } else if table.is_middle() {
+            Self::Middle(PathClosure::universal(count, table.all()))
         } else {
             Self::Wide(PathClosure::universal(count, table.all()))
         }
@@ -259,6 +264,7 @@ impl Cells {
     fn at(&self, i: usize, j: usize) -> u32 {
         match self {
             Self::Narrow(cells) => cells.at(i, j),
+            Self::Middle(cells) => cells.at(i, j),
             Self::Wide(cells) => cells.at(i, j),
         }
     }
