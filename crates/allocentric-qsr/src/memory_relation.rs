@@ -121,13 +121,15 @@ impl SceneMemory {
 
 /// The objects an explanation goes through, by name.
 fn through(explanation: &Explanation) -> Vec<ObjectId> {
-    let ends = explanation.conclusion().map(|step| step.between.clone());
+    let ends: Vec<&ObjectId> = explanation
+        .conclusion()
+        .map_or_else(Vec::new, |step| step.statement.objects().collect());
     let all: BTreeSet<ObjectId> = explanation
         .steps
         .iter()
-        .flat_map(|step| step.between.iter().cloned())
+        .flat_map(|step| step.statement.objects().cloned())
         .collect();
     all.into_iter()
-        .filter(|name| ends.as_ref().is_none_or(|ends| !ends.contains(name)))
+        .filter(|name| !ends.contains(&name))
         .collect()
 }

@@ -59,6 +59,18 @@ impl<'q> Words<'q> {
         Ok(word.split(',').map(str::to_owned).collect())
     }
 
+    /// Orientations, joined by commas.
+    pub(crate) fn labels(&mut self, expected: &'static str) -> Result<OrientationSet, BadQuery> {
+        let mut labels = OrientationSet::EMPTY;
+        for label in self.next(expected)?.split(',') {
+            labels |= labels_of(label).ok_or_else(|| BadQuery::Word {
+                found: label.to_owned(),
+                expected,
+            })?;
+        }
+        Ok(labels)
+    }
+
     fn metres(&mut self, word: &str, otherwise: f64) -> Result<f64, BadQuery> {
         if !self.takes(word) {
             return Ok(otherwise);
@@ -87,15 +99,7 @@ impl<'q> Words<'q> {
             self.expect("of", "`of`")?;
             return Ok(Condition::Within(classes, self.place()?));
         }
-        let expected = "a question, `within` or an orientation";
-        let word = self.next(expected)?;
-        let mut labels = OrientationSet::EMPTY;
-        for label in word.split(',') {
-            labels |= labels_of(label).ok_or_else(|| BadQuery::Word {
-                found: label.to_owned(),
-                expected,
-            })?;
-        }
+        let labels = self.labels("a question, `within` or an orientation")?;
         self.expect("of", "`of`")?;
         let at = self.place()?;
         Ok(Condition::Oriented(labels, at, self.seen_from()?))
