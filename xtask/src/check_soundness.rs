@@ -213,6 +213,9 @@ mod tests {
         };
         let soundness = check(&options);
         assert!(soundness.holds(), "{soundness}");
-        assert!(soundness.to_string().contains("drs2: 1"), "{soundness}");
+        assert!(
+            soundness.to_string().contains("drs2: 802 of 802"),
+            "{soundness}"
+        );
     }
 }

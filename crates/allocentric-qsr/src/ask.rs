@@ -29,9 +29,7 @@ impl SceneMemory {
     pub fn ask(&self, query: &Query) -> Result<Answer, Unanswerable> {
         let unknown = |object: &ObjectId| Unanswerable::Object(object.clone());
         let pair = |a: &ObjectId, b: &ObjectId| {
-            let lost = [a, b]
-                .into_iter()
-                .find(|name| self.estimate(name).is_none());
+            let lost = [a, b].into_iter().find(|name| self.here(name).is_none());
             Unanswerable::Object(lost.unwrap_or(a).clone())
         };
         match query {
@@ -62,7 +60,7 @@ impl SceneMemory {
             Query::FreePath { from, to, radius_m } => {
                 let lost = || {
                     let ends = [from, to].into_iter().find_map(|end| match end {
-                        Observer::Object(name) if self.estimate(name).is_none() => Some(name),
+                        Observer::Object(name) if !self.is_here(end) => Some(name),
                         _ => None,
                     });
                     ends.map_or_else(|| Unanswerable::Object("robot".into()), unknown)

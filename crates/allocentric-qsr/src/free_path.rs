@@ -90,7 +90,7 @@ impl SceneMemory {
                 own_m: 0.0,
             }),
             Observer::Object(object) => {
-                let place = self.estimate(object)?;
+                let place = self.here(object)?;
                 let [[xx, _], [_, zz]] = place.covariance_m2();
                 let radius = f64::from(self.objects.get(object)?.radius_mm) / 1e3;
                 Some(End {

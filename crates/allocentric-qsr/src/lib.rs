@@ -61,16 +61,16 @@
 //! within the intervals of [`QualifyParams::sigmas`]; relations that [`Inference`] composes are
 //! either.
 //!
-//! A [`ConstraintNetwork`] closes facts about many distances. It ends in
-//! [`Closure::Inconsistent`] with an [`Explanation`], which is a proof, or in
-//! [`Closure::NotRefuted`], which is not its opposite: whether points of the plane have given
-//! distances is NP-hard, and relative directions are harder.
+//! A [`ConstraintNetwork`] closes facts about thousands of distances, a [`PlaceNetwork`] facts about
+//! distances and directions together. Either ends in [`Closure::Inconsistent`] with an
+//! [`Explanation`], which is a proof, or in [`Closure::NotRefuted`], which is not its opposite:
+//! whether points of the plane have given distances is NP-hard, and relative directions are harder.
 //!
 //! # The memory
 //! [`SceneMemory`] outlives the view. Each [`Look`] comes with its time, its pose or the news that the pose
 //! is lost, and [`LookEvidence`]: what it shows of places where nothing was reported. Objects have
 //! a [`Life`] that only evidence moves on, places with covariance in one or several map frames,
-//! and relations that are qualified when asked for. Facts are told and retracted, contradictions
+//! which shared landmarks join, and relations that are qualified when asked for. Facts are told and retracted, contradictions
 //! come back as [`Refused`] with their premises, and a [`Query`] asks in words:
 //!
 //! ```
@@ -124,6 +124,7 @@ mod double_cross;
 mod double_cross_set;
 mod egocentric_place;
 mod explanation;
+mod frame_join;
 mod free_ground;
 mod free_path;
 mod fusion;

@@ -60,7 +60,8 @@ impl SceneMemory {
 
     /// The place of an object for the evidence of a look.
     fn asked(&self, object: &ObjectId) -> Option<AskedPlace> {
-        let place = self.from_robot(object)?;
+        // What another frame has is no reason to give an object up.
+        let place = self.robot_place(&self.estimate(object)?);
         let kept = &self.objects[object];
         let [[rr, _], [_, ff]] = place.covariance_m2;
         let radius_m = f64::from(kept.radius_mm) / 1e3;

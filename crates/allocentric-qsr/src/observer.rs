@@ -40,13 +40,16 @@ impl SceneMemory {
             Observer::Robot | Observer::At(_) => None,
             Observer::Object(object) => {
                 let kept = self.objects.get(object)?;
-                let place = kept
+                let seen = kept
                     .places
                     .get(&frame)
-                    .filter(|_| kept.life != Life::Removed)?;
+                    .filter(|_| kept.life != Life::Removed)
+                    .copied();
+                let carried = || self.here(object).filter(|_| frame == self.frame);
+                let place = seen.or_else(carried)?;
                 let [x, z] = place.position_m();
                 let pose = GroundPose::new(x, z, 0.0).ok()?;
-                Some((pose, GroundExtent::of(place, sigmas)))
+                Some((pose, GroundExtent::of(&place, sigmas)))
             }
         }
     }

@@ -119,6 +119,15 @@ impl PlaceNetwork {
         })
     }
 
+    /// Every direction of which something is known, as observer, reference and object, with the
+    /// labels of the object at the reference; by name.
+    pub fn directions(&self) -> impl Iterator<Item = ([&ObjectId; 3], OrientationSet)> {
+        self.state.directions.iter().map(|(&(b, c, d), rows)| {
+            let names = [b, c, d].map(|at| &self.objects[at]);
+            (names, rows.at_c())
+        })
+    }
+
     /// Takes facts and closes all facts anew. Facts that contradict the network are not taken.
     ///
     /// # Errors

@@ -21,7 +21,7 @@ use crate::{ObjectId, OrientationSet};
 /// Names and classes are single words, or stand in double quotes; `robot` is the robot. CLASSES and LABELS are joined by
 /// commas. Of the labels, `front`, `back`, `left` and `right` are half the plane each with its two
 /// quadrants and the ray between (`right` is `fr,r,br`); the nine names and short labels of
-/// [`Orientation`] are themselves, so an exact ray is asked for as `sf`, `l`, `r` or `sb`. Labels
+/// [`Orientation`](crate::Orientation) are themselves, so an exact ray is asked for as `sf`, `l`, `r` or `sb`. Labels
 /// at an object are seen from the robot unless said otherwise.
 ///
 /// A query reads and writes the same: `parse` of `to_string` is the query.

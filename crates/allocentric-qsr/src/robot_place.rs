@@ -1,4 +1,5 @@
 use crate::egocentric_place::{EgocentricPlace, read_offset};
+use crate::ground_estimate::GroundEstimate;
 use crate::robot_pose::RobotPose;
 use crate::scene_memory::SceneMemory;
 use crate::{Mode, ObjectId};
@@ -15,11 +16,16 @@ pub struct RobotPlace {
 }
 
 impl SceneMemory {
-    /// Where an object is in the robot's present frame, seen or unseen; `None` if the frame has
-    /// not seen it, or it is gone.
+    /// Where an object is for the robot, seen or unseen. An object of an earlier map frame is carried
+    /// into the present one by the landmarks that both have, two at least, with the errors of that.
+    /// `None` if nothing joins the frames, or the object is gone or was never seen.
     #[must_use]
     pub fn from_robot(&self, object: &ObjectId) -> Option<RobotPlace> {
-        let estimate = self.estimate(object)?;
+        Some(self.robot_place(&self.here(object)?))
+    }
+
+    /// A place of the present frame for the robot, with the errors of the pose.
+    pub(crate) fn robot_place(&self, estimate: &GroundEstimate) -> RobotPlace {
         let pose = self.robot.pose();
         let seen = estimate.widened(self.robot.spread_at(estimate.position_m()));
         let [ahead, leftward] = estimate.seen_from(pose);
@@ -30,20 +36,21 @@ impl SceneMemory {
             a[0] * (xx * b[0] + xz * b[1]) + a[1] * (xz * b[0] + zz * b[1])
         };
         let (right, forward) = ([cos, sin], [-sin, cos]);
-        Some(RobotPlace {
+        RobotPlace {
             right_m: -leftward,
             forward_m: ahead,
             covariance_m2: [
                 [along(right, right), along(right, forward)],
                 [along(right, forward), along(forward, forward)],
             ],
-        })
+        }
     }
 
-    /// Where an object is for an observer at any pose of the present frame.
+    /// Where an object is for an observer at any pose of the present frame, seen or unseen, as
+    /// [`SceneMemory::from_robot`].
     #[must_use]
     pub fn place_from(&self, robot: RobotPose, object: &ObjectId) -> Option<EgocentricPlace> {
-        let estimate = self.estimate(object)?;
+        let estimate = self.here(object)?;
         let (pose, qualify) = (robot.pose(), self.params.qualify);
         // The heading turns the bearing only, the position moves the place.
         let still = RobotPose::new(pose, robot.covariance_m2(), 0.0).unwrap_or(robot);

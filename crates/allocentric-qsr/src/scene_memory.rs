@@ -13,9 +13,11 @@ use crate::told_fact::ToldFact;
 /// What the robot remembers of the things around it, look after look.
 ///
 /// Every object keeps a position with its covariance in each map frame that has seen it, and a
-/// [`Life`]. Relations are qualified from positions when asked for; told facts and pairs that no
-/// frame has in common go through a [`ConstraintNetwork`]. Nothing contradictory is ever taken in:
-/// what contradicts comes back as a value, and the memory stays as it was unless its [`Policy`]
+/// [`Life`]. Relations are qualified from positions when asked for. Two landmarks that two frames
+/// have in common join them: what the one has seen is then known in the other, with the errors of
+/// that. Told facts, and pairs that nothing joins, go through a
+/// [`ConstraintNetwork`](crate::ConstraintNetwork). Nothing contradictory is ever taken in:
+/// what contradicts comes back as a value, and the memory stays as it was unless its [`Policy`](crate::Policy)
 /// says otherwise.
 ///
 /// It opens no file and reads no clock: [`SceneMemory::to_json`] gives the text of a snapshot, and
@@ -108,13 +110,16 @@ impl SceneMemory {
         &self.facts
     }
 
-    /// The objects of the present frame that are not gone, with their places.
+    /// The objects that are not gone and whose place in the present frame is known, seen there or
+    /// carried there, by name.
     pub(crate) fn present(
         &self,
-    ) -> impl Iterator<Item = (&ObjectId, &MemoryObject, &GroundEstimate)> {
-        self.objects.iter().filter_map(|(name, object)| {
-            let place = object.places.get(&self.frame)?;
-            (object.life != Life::Removed).then_some((name, object, place))
+    ) -> impl Iterator<Item = (&ObjectId, &MemoryObject, GroundEstimate)> {
+        let joins = self.joins();
+        self.objects.iter().filter_map(move |(name, object)| {
+            let place = self.estimate(name);
+            let place = place.or_else(|| Some(self.carried(name, &joins)?.0))?;
+            Some((name, object, place))
         })
     }
 
@@ -125,7 +130,7 @@ impl SceneMemory {
         names.into_iter().filter(|name| self.is_known(name))
     }
 
-    /// The place of an object in the present frame, unless it is gone.
+    /// The place of an object that the present frame has seen, unless it is gone.
     pub(crate) fn estimate(&self, object: &ObjectId) -> Option<GroundEstimate> {
         let kept = self.objects.get(object)?;
         let place = kept.places.get(&self.frame).copied();

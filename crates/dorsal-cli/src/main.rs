@@ -8,6 +8,7 @@ mod console;
 mod demo;
 mod demo_arguments;
 mod demo_scene;
+mod facts;
 mod label_picture;
 mod look;
 mod look_arguments;

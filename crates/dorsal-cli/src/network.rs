@@ -1,15 +1,14 @@
-use std::collections::BTreeSet;
 use std::fs;
 use std::io::Write;
-use std::path::Path;
 
 use anyhow::{Context as _, bail};
 use dorsal::allocentric_qsr::{
-    Closure, ConstraintNetwork, DepthReference, DepthSet, DistanceFact, Explanation, FactSource,
-    GqrCalculus, ObjectId, ToldFact,
+    Closure, ConstraintNetwork, DepthReference, DirectionFact, Explanation, FactSource,
+    GqrCalculus, NotAFact, ObjectId, OrientationSet, PlaceNetwork,
 };
 use serde::Serialize;
 
+use crate::facts::Facts;
 use crate::memory_arguments::Format;
 use crate::network_arguments::{CheckArguments, ExportArguments, NetworkArguments, NetworkCommand};
 use crate::outputs::ensure_folder;
@@ -22,6 +21,7 @@ enum CheckRecord {
     NotRefuted {
         narrowed: usize,
         distances: Vec<DistanceRecord>,
+        directions: Vec<DirectionRecord>,
         #[serde(skip_serializing_if = "Option::is_none")]
         explanation: Option<Explanation>,
     },
@@ -37,6 +37,15 @@ struct DistanceRecord {
     depth: Vec<String>,
 }
 
+/// What may hold of one direction of which something is known.
+#[derive(Serialize)]
+struct DirectionRecord {
+    observer: ObjectId,
+    reference: ObjectId,
+    object: ObjectId,
+    orientation: OrientationSet,
+}
+
 /// `dorsal network`: facts closed by the calculus.
 pub(crate) fn network(arguments: &NetworkArguments, out: &mut dyn Write) -> anyhow::Result<()> {
     match &arguments.command {
@@ -47,16 +56,14 @@ pub(crate) fn network(arguments: &NetworkArguments, out: &mut dyn Write) -> anyh
 
 fn check(arguments: &CheckArguments, out: &mut dyn Write) -> anyhow::Result<()> {
     let reference = reference_system(&arguments.system)?;
-    let facts = facts(&arguments.file, &reference)?;
-    let mut network = ConstraintNetwork::new(&reference, objects(&facts));
+    let facts = Facts::read(&arguments.file, &reference)?;
     let name = arguments.file.display();
     let form = arguments.form.format;
-    let narrowed = match network
-        .constrain(facts)
-        .with_context(|| format!("{name} is no network"))?
-    {
-        Closure::NotRefuted { narrowed } => narrowed,
-        Closure::Inconsistent(proof) => {
+    let count = facts.distances.len() + facts.directions.len();
+    let closed = Closed::of(&reference, facts).with_context(|| format!("{name} is no network"))?;
+    let (network, narrowed) = match closed {
+        Ok(closed) => closed,
+        Err(proof) => {
             match form {
                 Format::Text => write!(out, "{proof}")?,
                 Format::Json => {
@@ -65,7 +72,7 @@ fn check(arguments: &CheckArguments, out: &mut dyn Write) -> anyhow::Result<()> 
                 }
             }
             out.flush()?;
-            bail!("{name} is inconsistent: no points of the plane have these distances");
+            bail!("{name} is inconsistent: no points of the plane are so");
         }
     };
     let explanation = match arguments.explain.as_deref() {
@@ -76,11 +83,13 @@ fn check(arguments: &CheckArguments, out: &mut dyn Write) -> anyhow::Result<()> 
         }
         _ => None,
     };
-    let distances = distances(&network);
+    let distances = network.distances(&reference);
+    let directions = network.directions();
     if form == Format::Json {
         let record = CheckRecord::NotRefuted {
             narrowed,
             distances,
+            directions,
             explanation,
         };
         writeln!(out, "{}", serde_json::to_string(&record)?)?;
@@ -90,11 +99,10 @@ fn check(arguments: &CheckArguments, out: &mut dyn Write) -> anyhow::Result<()> 
         write!(out, "{explanation}")?;
         return Ok(());
     }
+    let objects = network.objects().len();
     writeln!(
         out,
-        "not refuted: {} facts about {} objects leave these distances",
-        network.facts().len(),
-        network.objects().len()
+        "not refuted: {count} facts about {objects} objects leave these places"
     )?;
     for DistanceRecord {
         between: [a, b],
@@ -103,13 +111,39 @@ fn check(arguments: &CheckArguments, out: &mut dyn Write) -> anyhow::Result<()> 
     {
         writeln!(out, "  {a} - {b}: {{{}}}", depth.join(", "))?;
     }
+    for DirectionRecord {
+        observer,
+        reference,
+        object,
+        orientation,
+    } in directions
+    {
+        let labels = orientation.labels().join(", ");
+        writeln!(
+            out,
+            "  {object} at {reference} seen from {observer}: {{{labels}}}"
+        )?;
+    }
     Ok(())
 }
 
 fn export(arguments: &ExportArguments, out: &mut dyn Write) -> anyhow::Result<()> {
     ensure_folder(&arguments.out)?;
     let reference = reference_system(&arguments.system)?;
-    let facts = facts(&arguments.file, &reference)?;
+    let Facts {
+        distances,
+        directions,
+    } = Facts::read(&arguments.file, &reference)?;
+    if let Some(DirectionFact {
+        source: FactSource::Told(line),
+        ..
+    }) = directions.first()
+    {
+        bail!(
+            "{}, {line}: the form of GQR holds distances only; leave the directions out",
+            arguments.file.display()
+        );
+    }
     let GqrCalculus {
         spec,
         composition,
@@ -122,7 +156,7 @@ fn export(arguments: &ExportArguments, out: &mut dyn Write) -> anyhow::Result<()
         (format!("{name}.conv"), converse),
         (
             "network.csp".to_owned(),
-            GqrCalculus::network(&reference, &facts),
+            GqrCalculus::network(&reference, &distances),
         ),
     ];
     fs::create_dir_all(&arguments.out)
@@ -137,54 +171,90 @@ fn export(arguments: &ExportArguments, out: &mut dyn Write) -> anyhow::Result<()
     Ok(())
 }
 
-/// Reads the facts of a file.
-fn facts(path: &Path, reference: &DepthReference) -> anyhow::Result<Vec<DistanceFact>> {
-    let text = fs::read_to_string(path)
-        .with_context(|| format!("{} cannot be read as facts", path.display()))?;
-    let mut facts = Vec::new();
-    for (at, line) in text.lines().enumerate() {
-        let words = line.split('#').next().unwrap_or_default().trim();
-        if words.is_empty() {
-            continue;
-        }
-        let ToldFact { between, depth } = ToldFact::read(words, reference).with_context(|| {
-            format!(
-                "{}, line {}: \"{words}\" is no fact of {}; one reads `A within CLASSES of B`",
-                path.display(),
-                at + 1,
-                reference.name()
-            )
-        })?;
-        facts.push(DistanceFact {
-            between,
-            depth,
-            source: FactSource::Told(format!("line {}: {words}", at + 1)),
-        });
+/// A network that is not refuted: of distances alone, which may be thousands, or with directions.
+enum Closed {
+    Distances(ConstraintNetwork),
+    Places(PlaceNetwork),
+}
+
+impl Closed {
+    /// Closes the facts: the network and how many distances it narrowed, or the proof that there is
+    /// none.
+    fn of(
+        reference: &DepthReference,
+        facts: Facts,
+    ) -> Result<Result<(Self, usize), Explanation>, NotAFact> {
+        let objects = facts.objects();
+        let Facts {
+            distances,
+            directions,
+        } = facts;
+        let (network, closure) = if directions.is_empty() {
+            let mut network = ConstraintNetwork::new(reference, objects);
+            let closure = network.constrain(distances)?;
+            (Self::Distances(network), closure)
+        } else {
+            let mut network = PlaceNetwork::new(reference, objects);
+            let closure = network.constrain(distances, directions)?;
+            (Self::Places(network), closure)
+        };
+        Ok(match closure {
+            Closure::NotRefuted { narrowed } => Ok((network, narrowed)),
+            Closure::Inconsistent(proof) => Err(proof),
+        })
     }
-    Ok(facts)
-}
 
-fn objects(facts: &[DistanceFact]) -> BTreeSet<ObjectId> {
-    let ends = facts.iter().flat_map(|fact| fact.between.iter().cloned());
-    ends.collect()
-}
+    fn objects(&self) -> &[ObjectId] {
+        match self {
+            Self::Distances(network) => network.objects(),
+            Self::Places(network) => network.objects(),
+        }
+    }
 
-/// The distances of which something is known, by name.
-fn distances(network: &ConstraintNetwork) -> Vec<DistanceRecord> {
-    let reference = network.reference();
-    let objects = network.objects();
-    let mut known = Vec::new();
-    for (at, a) in objects.iter().enumerate() {
-        for b in &objects[at + 1..] {
-            let depth: DepthSet = network.depth(a, b).unwrap_or(reference.all());
-            if depth != reference.all() {
-                let labels = reference.labels(depth).into_iter();
-                known.push(DistanceRecord {
-                    between: [a.clone(), b.clone()],
-                    depth: labels.map(str::to_owned).collect(),
-                });
+    fn explain(&self, a: &ObjectId, b: &ObjectId) -> Option<Explanation> {
+        match self {
+            Self::Distances(network) => network.explain(a, b),
+            Self::Places(network) => network.explain(a, b),
+        }
+    }
+
+    /// The distances of which something is known, by name.
+    fn distances(&self, reference: &DepthReference) -> Vec<DistanceRecord> {
+        let depth = |a, b| match self {
+            Self::Distances(network) => network.depth(a, b),
+            Self::Places(network) => network.depth(a, b),
+        };
+        let mut known = Vec::new();
+        for (at, a) in self.objects().iter().enumerate() {
+            for b in &self.objects()[at + 1..] {
+                let depth = depth(a, b).filter(|&depth| depth != reference.all());
+                known.extend(depth.map(|depth| {
+                    let labels = reference.labels(depth).into_iter();
+                    DistanceRecord {
+                        between: [a.clone(), b.clone()],
+                        depth: labels.map(str::to_owned).collect(),
+                    }
+                }));
             }
         }
+        known
     }
-    known
+
+    /// The directions of which something is known, by name.
+    fn directions(&self) -> Vec<DirectionRecord> {
+        let Self::Places(network) = self else {
+            return Vec::new();
+        };
+        let directions = network.directions();
+        let records =
+            directions.map(
+                |([observer, reference, object], orientation)| DirectionRecord {
+                    observer: observer.clone(),
+                    reference: reference.clone(),
+                    object: object.clone(),
+                    orientation,
+                },
+            );
+        records.collect()
+    }
 }

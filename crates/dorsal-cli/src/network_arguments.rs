@@ -63,10 +63,12 @@ Exit codes: 0 not refuted, 1 inconsistent (the proof is printed) or a broken fil
 Not refuted is less than consistent: no triangle contradicts another.";
 
 const FILE_HELP: &str = "\
-A file of facts has one fact a line, as `dorsal memory tell` takes it; what follows a # is a comment:
+A file of facts has one fact a line; what follows a # is a comment:
   # The desk.
   cup within vc of box
   lamp within c,n of cup
+  lamp left of cup seen from box
+Where directions are told, distances and directions are closed together; GQR takes distances only.
 
 Examples:
   dorsal network check facts.txt --system drs2

@@ -104,6 +104,42 @@ fn broken_facts_are_named_with_their_line() {
     assert_eq!(said.code, Some(2));
 }
 
+#[test]
+fn directions_and_distances_are_closed_together() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let facts = "cup within n of door\nlamp within n of cup\nlamp l of cup seen from door\n";
+    let said = network(&folder, facts, &["check", "FILE"]);
+    assert_eq!((said.code, said.err.as_str()), (Some(0), ""));
+    assert!(said.out.contains("door - lamp: {f}"), "{}", said.out);
+    assert!(
+        said.out.contains("lamp at door seen from cup: {"),
+        "{}",
+        said.out
+    );
+    let words = ["check", "FILE", "--explain", "door", "lamp"];
+    let said = network(&folder, facts, &words);
+    assert!(
+        said.out.contains("told: line 3: lamp l of cup"),
+        "{}",
+        said.out
+    );
+    let words = ["check", "FILE", "--format", "json"];
+    let json: Value = serde_json::from_str(&network(&folder, facts, &words).out).expect("JSON");
+    assert!(
+        json["directions"]
+            .as_array()
+            .is_some_and(|some| !some.is_empty())
+    );
+    let more = format!("{facts}lamp within vc of door\n");
+    let said = network(&folder, &more, &["check", "FILE"]);
+    assert_eq!(said.code, Some(1));
+    assert!(said.out.contains("nothing is left"), "{}", said.out);
+    let said = network(&folder, facts, &["export", "FILE", "--out", "@gqr"]);
+    assert_eq!(said.code, Some(1));
+    assert!(said.err.contains("line 3"), "{}", said.err);
+    assert!(!folder.path().join("gqr").exists());
+}
+
 fn composed(line: &str) -> Said {
     dorsal(["compose"].into_iter().chain(line.split_whitespace()))
 }
@@ -120,7 +156,7 @@ fn compositions_are_those_of_the_tables() {
         // Straight on, and straight on again: the distances add.
         ("--case 1 c@sf c@sf", "{f}, {sf}\n"),
         ("--case 4 vc vc", "{vc, c, n, f, vf}\n"),
-        ("--case 4 vc vc --base vc", "{vc, c, n, f}\n"),
+        ("--case 4 vf@sf vf@sf --base vc", "{vf}\n"),
         ("--case ego vc vf@sb", "{vf}, {sb}\n"),
         (
             "--case 3 vc vf@sb",
