@@ -72,7 +72,7 @@ impl fmt::Display for Soundness {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             f,
-            "{} scenes in {} reference systems: {} violations ({:.0} s)",
+            "{} scenes in {} reference systems: {} violations ({:.0} s of wall time)",
             self.scenes,
             self.claims.len(),
             self.violations.len(),

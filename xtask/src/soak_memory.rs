@@ -48,7 +48,7 @@ impl fmt::Display for Soak {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             f,
-            "{} looks, twice, with a reload: no ghost, no early farewell, the same bytes ({:.0} s)",
+            "{} looks, twice, with a reload: no ghost, no early farewell, the same bytes ({:.0} s of wall time)",
             self.looks, self.seconds
         )?;
         let third = (self.sizes.len() / 3).max(1);

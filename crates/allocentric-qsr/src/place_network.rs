@@ -148,14 +148,16 @@ impl PlaceNetwork {
         let mut told = Vec::new();
         for fact in &distance_facts {
             let claim = Claim::Distance(self.pair_of(fact)?, fact.depth);
-            told.push((claim, Ground::Fact(fact.source.clone())));
+            let (source, turned) = (fact.source.clone(), false);
+            told.push((claim, Ground::Fact { source, turned }));
         }
         for fact in &direction_facts {
             let (b, c, d) = self.triple_of(fact)?;
             let rows = DoubleCrossSet::of(fact.at_reference, fact.at_observer);
             let rows = if b < c { rows } else { rows.swapped() };
             let claim = Claim::Direction((b.min(c), b.max(c), d), rows);
-            told.push((claim, Ground::Fact(fact.source.clone())));
+            let (source, turned) = (fact.source.clone(), b > c);
+            told.push((claim, Ground::Fact { source, turned }));
         }
         let mut state = State::universal(&self.reference, self.objects.len());
         // The first clash ends it, so that the proof ends in its last line.

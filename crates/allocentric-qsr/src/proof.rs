@@ -38,7 +38,11 @@ pub(crate) enum Claim {
 #[derive(Clone, Debug)]
 pub(crate) enum Ground {
     Unknown,
-    Fact(FactSource),
+    /// It was told or measured; `turned` if of a direction from the larger place to the smaller.
+    Fact {
+        source: FactSource,
+        turned: bool,
+    },
     Composed(usize, [usize; 2]),
     Directed(Rule, Vec<usize>),
     Both([usize; 2]),
@@ -112,11 +116,13 @@ impl Proof {
             let premise = |at: &usize| place_of.get(at).copied().unwrap_or(0);
             let because = match &line.ground {
                 Ground::Unknown => Because::Unknown,
-                Ground::Fact(FactSource::Told(fact)) => Because::Told { fact: fact.clone() },
-                Ground::Fact(FactSource::Measured(looks)) => Because::Measured { looks: *looks },
-                Ground::Fact(FactSource::Joined { looks, landmarks }) => Because::Joined {
-                    looks: *looks,
-                    landmarks: landmarks.clone(),
+                Ground::Fact { source, .. } => match source {
+                    FactSource::Told(fact) => Because::Told { fact: fact.clone() },
+                    FactSource::Measured(looks) => Because::Measured { looks: *looks },
+                    FactSource::Joined { looks, landmarks } => Because::Joined {
+                        looks: *looks,
+                        landmarks: landmarks.clone(),
+                    },
                 },
                 Ground::Composed(through, premises) => Because::Composed {
                     through: objects[*through].clone(),
@@ -135,13 +141,22 @@ impl Proof {
                     between: [objects[i].clone(), objects[j].clone()],
                     depth: owned_labels(reference, set),
                 },
-                Claim::Direction((b, c, d), rows) => Statement::Direction {
-                    observer: objects[b].clone(),
-                    reference: objects[c].clone(),
-                    object: objects[d].clone(),
-                    at_reference: rows.at_c(),
-                    at_observer: rows.at_b(),
-                },
+                Claim::Direction((b, c, d), rows) => {
+                    // A told direction stands as it was told.
+                    let turned = matches!(line.ground, Ground::Fact { turned: true, .. });
+                    let (b, c, rows) = if turned {
+                        (c, b, rows.swapped())
+                    } else {
+                        (b, c, rows)
+                    };
+                    Statement::Direction {
+                        observer: objects[b].clone(),
+                        reference: objects[c].clone(),
+                        object: objects[d].clone(),
+                        at_reference: rows.at_c(),
+                        at_observer: rows.at_b(),
+                    }
+                }
             };
             place_of.insert(at, explanation.push(Step { statement, because }));
         }
@@ -162,7 +177,7 @@ impl Proof {
 impl Ground {
     fn premises(&self) -> &[usize] {
         match self {
-            Self::Unknown | Self::Fact(_) => &[],
+            Self::Unknown | Self::Fact { .. } => &[],
             Self::Composed(_, premises) | Self::Both(premises) => premises,
             Self::Directed(_, premises) => premises,
         }

@@ -138,7 +138,7 @@ proptest! {
         directions in proptest::collection::vec((0usize..9, 0usize..9, 0usize..9, any::<u32>(), any::<u32>()), 0..7),
     ) {
         // Sharp facts are as likely as vague ones.
-        let sharpen = |bits: u32| if bits % 2 == 0 { 0 } else { bits & bits >> 9 };
+        let sharpen = |bits: u32| if bits.is_multiple_of(2) { 0 } else { bits & bits >> 9 };
         let distances: Vec<_> = distances.iter().map(|&(i, j, b)| (i, j, sharpen(b))).collect();
         let directions: Vec<_> =
             directions.iter().map(|&(b, c, d, p, q)| (b, c, d, sharpen(p), sharpen(q))).collect();
