@@ -37,7 +37,7 @@ pub(crate) struct Options {
     #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u64).range(2..=2000))]
     objects: u64,
     /// How many facts speak of each object on average
-    #[arg(long, value_name = "N", default_value_t = 5)]
+    #[arg(long, value_name = "N", default_value_t = 3)]
     degree: u64,
     /// Which networks: other seeds give others
     #[arg(long, value_name = "N", default_value_t = 1)]
