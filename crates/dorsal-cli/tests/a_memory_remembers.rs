@@ -4,8 +4,12 @@ mod desk;
 
 use std::fs;
 
+use command::Pair;
 use desk::Desk;
+use dorsal::egocentric_depth::LabelImage;
+use ndarray::Array2;
 use serde_json::Value;
+use stereo_formats::{label_png, pfm};
 
 /// What the command says when all is well.
 #[track_caller]
@@ -102,8 +106,8 @@ fn a_depth_map_is_evidence() {
     )
     .expect("a rig");
     // A wall at 2 m behind whatever stood there; the eyes look straight ahead.
-    let wall = ndarray::Array2::from_elem((120, 160), 2.0f32);
-    stereo_formats::pfm::write(desk.path("depth.pfm"), wall.view()).expect("a depth map");
+    let wall = Array2::from_elem((120, 160), 2.0f32);
+    pfm::write(desk.path("depth.pfm"), wall.view()).expect("a depth map");
     let flags = ["--rig", "@rig.toml", "--eyes-height", "0.3"];
     let add = |scene: &str, time: u64, flags: &[&str]| {
         let time = time.to_string();
@@ -146,4 +150,44 @@ fn a_lost_robot_opens_a_frame() {
     assert_eq!(said.code, Some(1));
     assert!(said.err.contains("`cup`"), "{}", said.err);
     assert!(says(&desk, &["show"]).contains("in another map frame"));
+}
+
+/// From two pictures to an answer: what `dorsal look` writes is what `dorsal memory add` takes.
+#[test]
+fn what_a_look_writes_is_remembered() {
+    let pair = Pair::new();
+    let labels = Array2::from_shape_fn((command::HEIGHT, command::WIDTH), |(y, x)| {
+        u16::from((40..60).contains(&x) && (40..70).contains(&y))
+    });
+    label_png::write(pair.path("labels.png"), &LabelImage::new(labels)).expect("a PNG");
+    let said = pair.look(&["--rig", "@rig.toml", "--labels", "@labels.png", "--quiet"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let desk = Desk::new();
+    let (scene, rig) = (pair.path("out"), pair.path("rig.toml"));
+    let text = |path: &std::path::Path| path.to_str().expect("UTF-8").to_owned();
+    let (scene, rig) = (text(&scene), text(&rig));
+    let words = [
+        "add",
+        &scene,
+        "--time",
+        "1",
+        "--rig",
+        &rig,
+        "--eyes-height",
+        "0.3",
+    ];
+    assert_eq!(says(&desk, &words), "object-1 appeared\n");
+    // The wall is 2 m away, and the poster a sixth of that to the left.
+    let place = says(&desk, &["ask", "where object-1", "--format", "json"]);
+    let place: Value = serde_json::from_str(&place).expect("JSON");
+    let metres = |key: &str| place[key].as_f64().expect("a number");
+    assert!((metres("forward_m") - 2.0).abs() < 0.05, "{place}");
+    assert!((-0.6..-0.3).contains(&metres("right_m")), "{place}");
+    let kept: Value = serde_json::from_str(&desk.bytes()).expect("JSON");
+    let radius = kept["objects"]["object-1"]["radius_mm"].as_u64();
+    // 600 pixels of a 60th of a metre are a disc of 23 cm.
+    assert!(
+        radius.is_some_and(|mm| (200..260).contains(&mm)),
+        "{radius:?}"
+    );
 }
