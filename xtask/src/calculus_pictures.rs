@@ -174,8 +174,8 @@ fn derivation() -> String {
     body += &word(14, c + 10, "c");
     body += &word(-y / 2, c + 10, "y");
     body += &word(62, b + x / 2, "x = |bc|");
-    body += &word(-92, -14, "r < root(x\u{b2} + y\u{b2})");
-    body += &word(46, (b + c - y) / 2, "r > x - y");
+    body += &word(-82, -14, "r &lt; root(x\u{b2} + y\u{b2})");
+    body += &word(46, (b + c - y) / 2, "r &gt; x - y");
     framed(&body)
 }
 

@@ -159,7 +159,7 @@ fn compositions_are_those_of_the_tables() {
         ("--case 4 vf@sf vf@sf --base vc", "{vf}\n"),
         ("--case ego vc vf@sb", "{vf}, {sb}\n"),
         (
-            "--case 3 vc vf@sb",
+            "--case 3 vf vc@fl",
             "nothing is left: no three points of the plane are so\n",
         ),
     ] {
