@@ -1,6 +1,6 @@
 //! How one map frame lies in another, from the landmarks that both have.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use crate::fusion::{add, inverse};
 use crate::ground_estimate::GroundEstimate;
@@ -168,21 +168,19 @@ impl SceneMemory {
     /// The way from each earlier frame that landmarks join to the present one, directly or through
     /// others; the shortest chain, and of those the one over the latest frames.
     pub(crate) fn joins(&self) -> BTreeMap<u32, Vec<FrameJoin>> {
+        let places = self.objects.values().flat_map(|kept| kept.places.keys());
+        let mut apart: BTreeSet<u32> = places.copied().collect();
+        apart.remove(&self.frame);
         let mut joins: BTreeMap<u32, Vec<FrameJoin>> = BTreeMap::new();
-        let mut reached = vec![self.frame];
-        let mut at = 0;
-        while let Some(&to) = reached.get(at) {
-            at += 1;
-            for from in (0..self.frame)
-                .rev()
-                .filter(|from| !reached.contains(from))
-                .collect::<Vec<_>>()
-            {
+        let mut reached = VecDeque::from([self.frame]);
+        while let Some(to) = reached.pop_front() {
+            for from in Vec::from_iter(apart.iter().rev().copied()) {
                 if let Some(join) = self.join(from, to) {
                     let mut path = vec![join];
                     path.extend(joins.get(&to).into_iter().flatten().cloned());
                     joins.insert(from, path);
-                    reached.push(from);
+                    reached.push_back(from);
+                    apart.remove(&from);
                 }
             }
         }

@@ -11,7 +11,7 @@ use crate::ground_estimate::GroundEstimate;
 pub struct MemoryObject {
     /// Where in its life it is.
     pub life: Life,
-    /// Where it is, by map frame.
+    /// Where it is, by map frame; the sixteen latest that have seen it.
     pub places: BTreeMap<u32, GroundEstimate>,
     /// The look that shows it last, counted from 1.
     pub last_look: u64,

@@ -15,6 +15,10 @@ use crate::refused::{Displaced, Refused};
 use crate::robot_pose::RobotPose;
 use crate::scene_memory::SceneMemory;
 
+/// The most map frames an object keeps its place in; the oldest go first, so that a robot that is
+/// lost again and again does not fill its memory.
+const MOST_FRAMES: usize = 16;
+
 impl SceneMemory {
     /// Takes in a look, with what it shows of places where nothing was reported, and says what
     /// became different.
@@ -178,6 +182,9 @@ impl SceneMemory {
             }
         });
         kept.places.insert(frame, fused);
+        while kept.places.len() > MOST_FRAMES {
+            kept.places.pop_first();
+        }
         kept.last_look = looks;
         kept.last_time_ms = time_ms;
         kept.sightings += 1;

@@ -519,6 +519,29 @@ fn two_landmarks_carry_a_frame_into_another() {
     assert_eq!(memory.from_robot(&cup), None);
 }
 
+/// A robot that is lost at every step keeps a memory of one size, and still joins what it sees.
+#[test]
+fn being_lost_again_and_again_fills_no_memory() {
+    let world = room([("cup", [0.0, 1.0]), ("box", [0.4, 1.3])]);
+    let mut memory = memory(MemoryParams {
+        ground_mm: 0,
+        most_changes: 20,
+        ..MemoryParams::default()
+    });
+    let mut sizes = Vec::new();
+    for step in 0..60 {
+        let mut look = Eye::new(&world, GroundPose::default()).look(step, STILL);
+        look.pose = PoseKnowledge::Lost;
+        memory.observe(&look, &NoDepth).unwrap();
+        sizes.push(memory.to_json().len());
+    }
+    assert_eq!(memory.frame(), 59);
+    assert_eq!(memory.object(&"cup".into()).unwrap().places.len(), 16);
+    // A few digits more than when the frames were full.
+    assert!(sizes[59] < sizes[30] + 100, "{} {}", sizes[30], sizes[59]);
+    assert!(memory.from_robot(&"cup".into()).is_some());
+}
+
 #[test]
 fn questions_get_certain_and_possible_answers() {
     let (_, memory) = figure_12();
