@@ -4,6 +4,10 @@ use egocentric_depth::{DepthMap, Eye, Head, Observer, Position, StereoRig};
 /// Lines of sight along each side of the window that a place is judged by.
 const SAMPLES: usize = 32;
 
+/// A ball is never asked about as smaller than this radius in pixels, so that at least one line of
+/// sight meets it: the next centre of a pixel is at most half a diagonal away.
+const LEAST_PX: f64 = 0.75;
+
 /// One in so many depths may be stray: a wrong match, not a surface.
 const STRAY: f64 = 1.0 / 20.0;
 
@@ -111,7 +115,11 @@ impl LookEvidence for DepthEvidence<'_> {
         if !self.eye.project(centre).is_some_and(in_image) {
             return Evidence::OutOfView;
         }
-        let Some(window) = self.window(centre, place.within_m) else {
+        let (fx, fy) = self.eye.intrinsics.focal_px;
+        let [x, y, z] = centre.to_array();
+        let range_m = (x - self.eye.centre.x_m).hypot(y).hypot(z);
+        let within_m = place.within_m.max(LEAST_PX * range_m / fx.min(fy));
+        let Some(window) = self.window(centre, within_m) else {
             return Evidence::NoEvidence;
         };
         let whole = in_image((window.columns.0, window.rows.0))
@@ -122,7 +130,7 @@ impl LookEvidence for DepthEvidence<'_> {
         let (mut asked, mut before, mut behind) = (0, 0, 0);
         for y in samples(window.rows, size.height) {
             for x in samples(window.columns, size.width) {
-                let Some((near_m, far_m)) = self.meets((x, y), centre, place.within_m) else {
+                let Some((near_m, far_m)) = self.meets((x, y), centre, within_m) else {
                     continue;
                 };
                 asked += 1;
@@ -133,7 +141,7 @@ impl LookEvidence for DepthEvidence<'_> {
                 behind += u32::from(z_m - error_m > far_m);
             }
         }
-        let covered = (place.radius_m / place.within_m).powi(2);
+        let covered = (place.radius_m / within_m).powi(2);
         let left = f64::from(asked) * STRAY.max(covered / 2.0);
         if 2 * before > asked {
             Evidence::Occluded
