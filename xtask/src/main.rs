@@ -9,6 +9,9 @@
 
 mod bank_pictures;
 mod bounds;
+mod calculus_pictures;
+mod calculus_results;
+mod check_soundness;
 mod continuous;
 mod data_folder;
 mod date;
@@ -18,6 +21,8 @@ mod error_picture;
 mod estimator;
 mod eval_middlebury;
 mod evaluation;
+mod export_gqr;
+mod lot;
 mod machine;
 mod manifest;
 mod markdown_table;
@@ -28,6 +33,7 @@ mod results_page;
 mod score;
 mod score_tables;
 mod sha256;
+mod soak_memory;
 mod table_1;
 mod table_1_page;
 mod table_1_row;
@@ -53,6 +59,11 @@ struct Tasks {
 enum Task {
     BankPictures(bank_pictures::Options),
     EvalMiddlebury(eval_middlebury::Options),
+    CheckSoundness(check_soundness::Options),
+    SoakMemory(soak_memory::Options),
+    ExportGqr(export_gqr::Options),
+    CalculusPictures(calculus_pictures::Options),
+    CalculusResults(calculus_results::Options),
 }
 
 fn main() -> ExitCode {
@@ -60,6 +71,11 @@ fn main() -> ExitCode {
     let done = match task {
         Task::BankPictures(options) => bank_pictures::run(&options),
         Task::EvalMiddlebury(options) => eval_middlebury::run(&options),
+        Task::CheckSoundness(options) => check_soundness::run(&options),
+        Task::SoakMemory(options) => soak_memory::run(&options),
+        Task::ExportGqr(options) => export_gqr::run(&options),
+        Task::CalculusPictures(options) => calculus_pictures::run(&options),
+        Task::CalculusResults(options) => calculus_results::run(&options),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

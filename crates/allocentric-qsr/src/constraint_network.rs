@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 
 use crate::depth_reference::DepthReference;
-use crate::explanation::{Because, Explanation, Step};
+use crate::explanation::{Because, Explanation, Statement, Step};
 use crate::path_closure::{Clash, Narrowing, PathClosure};
 use crate::place::owned_labels;
 use crate::word_table::{Word, WordTable};
@@ -25,6 +25,13 @@ pub enum FactSource {
     Told(String),
     /// The two looks that show the objects.
     Measured([u64; 2]),
+    /// The two looks that show the objects, in two map frames that these objects join.
+    Joined {
+        /// The looks.
+        looks: [u64; 2],
+        /// The objects that both frames have, by name.
+        landmarks: Vec<ObjectId>,
+    },
 }
 
 /// Why facts are none of a network.
@@ -39,6 +46,9 @@ pub enum NotAFact {
     /// No class may hold, which is no fact, or a class is of a larger reference system.
     #[error("the classes told of `{0}` and `{1}` are none, or none of this system")]
     Classes(ObjectId, ObjectId),
+    /// No label may hold, or none at the reference goes with one at the observer.
+    #[error("the labels told of `{0}` at `{1}` are none that three points have")]
+    Labels(ObjectId, ObjectId),
 }
 
 /// What a closure comes to.
@@ -58,8 +68,8 @@ pub enum Closure {
 ///
 /// Each fact is carried through every third object by the sound composition
 /// ([`compose`](crate::compose)) until nothing narrows. The result does not depend on the order of
-/// the facts. Memory is two bytes for every pair in systems of up to eight classes and eight beyond,
-/// and a quarter byte for the queue; reasons are worked out again when asked for, so they cost
+/// the facts. Memory is two bytes for every pair in systems of up to eight classes, four up to sixteen
+/// and eight beyond, and a quarter byte for the queue; reasons are worked out again when asked for, so they cost
 /// nothing until then.
 ///
 /// ```
@@ -95,6 +105,7 @@ pub struct ConstraintNetwork {
 #[derive(Clone, Debug)]
 enum Cells {
     Narrow(PathClosure<u8>),
+    Middle(PathClosure<u16>),
     Wide(PathClosure<u32>),
 }
 
@@ -156,6 +167,7 @@ impl ConstraintNetwork {
         }
         let settled = match &mut self.cells {
             Cells::Narrow(cells) => carry(cells, &self.table, &told),
+            Cells::Middle(cells) => carry(cells, &self.table, &told),
             Cells::Wide(cells) => carry(cells, &self.table, &told),
         };
         if let Ok(narrowed) = settled {
@@ -192,6 +204,7 @@ impl ConstraintNetwork {
     pub fn bytes(&self) -> usize {
         match &self.cells {
             Cells::Narrow(cells) => cells.bytes(),
+            Cells::Middle(cells) => cells.bytes(),
             Cells::Wide(cells) => cells.bytes(),
         }
     }
@@ -251,6 +264,8 @@ impl Cells {
     fn universal(table: &WordTable, count: usize) -> Self {
         if table.is_narrow() {
             Self::Narrow(PathClosure::universal(count, table.all()))
+        } else if table.is_middle() {
+            Self::Middle(PathClosure::universal(count, table.all()))
         } else {
             Self::Wide(PathClosure::universal(count, table.all()))
         }
@@ -259,6 +274,7 @@ impl Cells {
     fn at(&self, i: usize, j: usize) -> u32 {
         match self {
             Self::Narrow(cells) => cells.at(i, j),
+            Self::Middle(cells) => cells.at(i, j),
             Self::Wide(cells) => cells.at(i, j),
         }
     }
@@ -395,6 +411,10 @@ impl<'n> Story<'n> {
             let because = match &fact.source {
                 FactSource::Told(fact) => Because::Told { fact: fact.clone() },
                 FactSource::Measured(looks) => Because::Measured { looks: *looks },
+                FactSource::Joined { looks, landmarks } => Because::Joined {
+                    looks: *looks,
+                    landmarks: landmarks.clone(),
+                },
             };
             let told = self.push(explanation, pair, fact.depth.bits(), because);
             sofar = Some(match sofar {
@@ -424,8 +444,10 @@ impl<'n> Story<'n> {
     ) -> Told {
         let objects = &self.network.objects;
         let place = to.push(Step {
-            between: [objects[i].clone(), objects[j].clone()],
-            depth: owned_labels(&self.network.reference, DepthSet::of_bits(set)),
+            statement: Statement::Distance {
+                between: [objects[i].clone(), objects[j].clone()],
+                depth: owned_labels(&self.network.reference, DepthSet::of_bits(set)),
+            },
             because,
         });
         Told { place, set }

@@ -1,3 +1,5 @@
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 
 use crate::ground_extent::GroundExtent;
@@ -22,6 +24,19 @@ pub enum FreePath {
         /// metres.
         at_m: [f64; 2],
     },
+}
+
+impl fmt::Display for FreePath {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Clear => f.write_str("clear"),
+            Self::Blocked { by } => {
+                let names: Vec<&str> = by.iter().map(ObjectId::as_str).collect();
+                write!(f, "blocked by {}", names.join(", "))
+            }
+            Self::Unknown { at_m: [x, z] } => write!(f, "never seen free at ({x:.2}, {z:.2}) m"),
+        }
+    }
 }
 
 /// One end of the way: a point of the map frame, and how much ground around it is its own.
@@ -75,7 +90,7 @@ impl SceneMemory {
                 own_m: 0.0,
             }),
             Observer::Object(object) => {
-                let place = self.estimate(object)?;
+                let place = self.here(object)?;
                 let [[xx, _], [_, zz]] = place.covariance_m2();
                 let radius = f64::from(self.objects.get(object)?.radius_mm) / 1e3;
                 Some(End {

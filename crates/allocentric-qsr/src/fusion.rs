@@ -73,7 +73,7 @@ fn apply(matrix: Covariance, [x, z]: [f64; 2]) -> [f64; 2] {
 
 /// The inverse of a covariance; every estimate of the memory has at least a square millimetre, so
 /// the determinant is positive.
-fn inverse([[a, b], [_, d]]: Covariance) -> Covariance {
+pub(crate) fn inverse([[a, b], [_, d]]: Covariance) -> Covariance {
     let determinant = a * d - b * b;
     [
         [d / determinant, -b / determinant],

@@ -4,11 +4,12 @@
 //! GQR wants an identity relation. Distance zero becomes a base relation of its own, `=`, and the
 //! first class is what is left of it; a set that contains the first class contains both.
 
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
-use crate::constraint_network::ConstraintNetwork;
+use crate::constraint_network::{ConstraintNetwork, DistanceFact};
 use crate::depth_reference::DepthReference;
-use crate::{BaseRelation, Case, Depth, DepthSet, Mode, compose};
+use crate::{BaseRelation, Case, Depth, DepthSet, Mode, ObjectId, compose};
 
 /// The identity of the exported calculus.
 const IDENTITY: &str = "=";
@@ -78,30 +79,42 @@ impl ConstraintNetwork {
     /// the order of their names.
     #[must_use]
     pub fn to_gqr(&self) -> String {
-        let labels = labels(self.reference());
-        let mut text = String::new();
-        let last = self.objects().len().saturating_sub(1);
-        line(
-            &mut text,
-            format_args!("{last} # {} distances", self.reference().name()),
-        );
-        for fact in self.facts() {
-            let [from, to] = [0, 1].map(|end| {
-                // Every fact is of two objects of the network.
-                self.objects()
-                    .binary_search(&fact.between[end])
-                    .unwrap_or(0)
-            });
-            let first = fact.depth.contains(Depth::FIRST).then_some(IDENTITY);
-            let classes = fact
-                .depth
-                .iter()
-                .map(|class| labels[class.index()].as_str());
-            let set: Vec<&str> = first.into_iter().chain(classes).collect();
-            line(&mut text, format_args!("{from} {to} ( {} )", set.join(" ")));
-        }
-        text + ".\n"
+        network(self.reference(), self.objects(), self.facts())
     }
+}
+
+impl GqrCalculus {
+    /// Facts as a network in GQR's text form, whether they can hold together or not: their objects
+    /// are numbers in the order of the names.
+    #[must_use]
+    pub fn network(reference: &DepthReference, facts: &[DistanceFact]) -> String {
+        let ends = facts.iter().flat_map(|fact| fact.between.iter().cloned());
+        let objects: BTreeSet<ObjectId> = ends.collect();
+        network(reference, &Vec::from_iter(objects), facts)
+    }
+}
+
+/// A line for every fact, after one with the last object and the name.
+fn network(reference: &DepthReference, objects: &[ObjectId], facts: &[DistanceFact]) -> String {
+    let labels = labels(reference);
+    let mut text = String::new();
+    let last = objects.len().saturating_sub(1);
+    line(
+        &mut text,
+        format_args!("{last} # {} distances", reference.name()),
+    );
+    for fact in facts {
+        // Every fact is of two of the objects.
+        let [from, to] = [0, 1].map(|end| objects.binary_search(&fact.between[end]).unwrap_or(0));
+        let first = fact.depth.contains(Depth::FIRST).then_some(IDENTITY);
+        let classes = fact
+            .depth
+            .iter()
+            .map(|class| labels[class.index()].as_str());
+        let set: Vec<&str> = first.into_iter().chain(classes).collect();
+        line(&mut text, format_args!("{from} {to} ( {} )", set.join(" ")));
+    }
+    text + ".\n"
 }
 
 /// The labels of the classes; numbered ones if a label has a meaning in GQR's files.

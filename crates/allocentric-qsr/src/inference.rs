@@ -187,14 +187,15 @@ impl Distances {
 }
 
 /// CASE 1 of every two classes, planned once for a closure.
-struct SumTable {
+#[derive(Clone, Debug)]
+pub(crate) struct SumTable {
     classes: usize,
     all: DepthSet,
     cells: Vec<DepthSet>,
 }
 
 impl SumTable {
-    fn plan(reference: &DepthReference, mode: Mode) -> Self {
+    pub(crate) fn plan(reference: &DepthReference, mode: Mode) -> Self {
         let all = reference.all();
         let cells = all
             .iter()
@@ -208,7 +209,7 @@ impl SumTable {
         }
     }
 
-    fn of(&self, first: DepthSet, second: DepthSet) -> DepthSet {
+    pub(crate) fn of(&self, first: DepthSet, second: DepthSet) -> DepthSet {
         let mut sum = DepthSet::EMPTY;
         for i in first.iter().map(Depth::index) {
             for j in second.iter().map(Depth::index) {

@@ -61,16 +61,16 @@
 //! within the intervals of [`QualifyParams::sigmas`]; relations that [`Inference`] composes are
 //! either.
 //!
-//! A [`ConstraintNetwork`] closes facts about many distances. It ends in
-//! [`Closure::Inconsistent`] with an [`Explanation`], which is a proof, or in
-//! [`Closure::NotRefuted`], which is not its opposite: whether points of the plane have given
-//! distances is NP-hard, and relative directions are harder.
+//! A [`ConstraintNetwork`] closes facts about thousands of distances, a [`PlaceNetwork`] facts about
+//! distances and directions together. Either ends in [`Closure::Inconsistent`] with an
+//! [`Explanation`], which is a proof, or in [`Closure::NotRefuted`], which is not its opposite:
+//! whether points of the plane have given distances is NP-hard, and relative directions are harder.
 //!
 //! # The memory
 //! [`SceneMemory`] outlives the view. Each [`Look`] comes with its time, its pose or the news that the pose
 //! is lost, and [`LookEvidence`]: what it shows of places where nothing was reported. Objects have
 //! a [`Life`] that only evidence moves on, places with covariance in one or several map frames,
-//! and relations that are qualified when asked for. Facts are told and retracted, contradictions
+//! which shared landmarks join, and relations that are qualified when asked for. Facts are told and retracted, contradictions
 //! come back as [`Refused`] with their premises, and a [`Query`] asks in words:
 //!
 //! ```
@@ -110,6 +110,8 @@
 //! [`Explanation`] and [`MemoryLine`] show their form in JSON; [`SceneMemory::to_json`] writes a
 //! snapshot, [`GqrCalculus`] and [`ConstraintNetwork::to_gqr`] what the solver GQR reads. Note the two labels `n`: *nearby* among depths, *none* among orientations.
 mod allocentric_map;
+mod answer;
+mod ask;
 mod case;
 mod certainty;
 mod composition;
@@ -117,9 +119,13 @@ mod composition_table;
 mod constraint_network;
 mod depth;
 mod depth_reference;
+mod direction_fact;
 mod double_cross;
+mod double_cross_set;
 mod egocentric_place;
 mod explanation;
+mod frame_join;
+mod free_ground;
 mod free_path;
 mod fusion;
 mod gqr;
@@ -133,34 +139,50 @@ mod look;
 mod look_evidence;
 mod map_record;
 mod memory_change;
+mod memory_diff;
 mod memory_line;
+mod memory_network;
+mod memory_object;
 mod memory_params;
 mod memory_record;
+mod memory_relation;
+mod miss;
 mod mode;
 mod neighbourhood;
 mod object_id;
+mod observe;
+mod observer;
 mod omission;
 mod orientation;
 mod path_closure;
 mod place;
+mod place_network;
 mod place_set;
 mod polar_box;
 mod premise;
 mod presets;
+mod proof;
 mod published;
 mod qualitative_scene;
 mod query;
 mod question;
+mod refused;
 mod relation;
 mod relation_set;
+mod robot_place;
 mod robot_pose;
 mod scene_memory;
 mod sighting;
 mod squared_bounds;
+mod tell;
+mod told_fact;
 mod triangle_table;
 mod word_table;
+mod words;
 
 pub use allocentric_map::{AllocentricMap, Inconsistent, Moved, Remembered};
+pub use answer::Answer;
+pub use ask::Unanswerable;
 pub use case::Case;
 pub use certainty::Certainty;
 pub use composition::{Composed, compose, compose_over_base};
@@ -168,8 +190,9 @@ pub use composition_table::CompositionTable;
 pub use constraint_network::{Closure, ConstraintNetwork, DistanceFact, FactSource, NotAFact};
 pub use depth::{Depth, DepthSet};
 pub use depth_reference::{BadReference, DepthClass, DepthReference, NotADistance};
+pub use direction_fact::DirectionFact;
 pub use egocentric_place::{EgocentricPlace, EgocentricRecord};
-pub use explanation::{Because, Explanation, Step};
+pub use explanation::{Because, Explanation, Rule, Statement, Step};
 pub use free_path::FreePath;
 pub use gqr::GqrCalculus;
 pub use ground_estimate::GroundEstimate;
@@ -181,21 +204,25 @@ pub use look_evidence::{AskedPlace, Evidence, LookEvidence, NoDepth};
 pub use map_record::BadMap;
 pub use memory_change::{Change, Dated};
 pub use memory_line::{LookLine, MemoryLine, MemoryReply, PoseLine, SeenLine, ViewLine};
+pub use memory_object::MemoryObject;
 pub use memory_params::{BadMemoryParams, MemoryParams, Policy};
 pub use memory_record::BadMemory;
 pub use mode::Mode;
 pub use object_id::ObjectId;
+pub use observer::Observer;
 pub use omission::{Omission, TriangleWitness, omissions};
 pub use orientation::{NotABearing, Orientation, OrientationSet};
 pub use place::{Place, PlaceRecord, Places};
+pub use place_network::PlaceNetwork;
 pub use place_set::PlaceSet;
 pub use qualitative_scene::{QualifyParams, QualitativeScene};
-pub use query::{Answer, BadQuery, Condition, Query, Unanswerable};
+pub use query::{BadQuery, Condition, Query};
+pub use refused::{Displaced, Refused};
 pub use relation::{Reason, Relation, RelationRecord};
 pub use relation_set::{BaseRelation, RelationSet};
+pub use robot_place::RobotPlace;
 pub use robot_pose::{NotAnError, RobotPose};
-pub use scene_memory::{
-    Displaced, MemoryObject, Observer, Refused, RobotPlace, SceneMemory, ToldFact,
-};
+pub use scene_memory::SceneMemory;
 pub use sighting::{BadSighting, Sighting};
+pub use told_fact::ToldFact;
 pub use triangle_table::TriangleTable;

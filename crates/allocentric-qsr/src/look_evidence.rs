@@ -7,9 +7,12 @@ pub struct AskedPlace {
     pub forward_m: f64,
     /// Above the ground the sightings are told on, in metres; 0 where nobody said.
     pub height_m: f64,
-    /// How far around this point the object may lie, in metres: its radius and three standard
-    /// errors of its place. Free space counts only where it is clear of all that.
+    /// How far around this point the object may reach, in metres: its radius and three standard
+    /// errors of its place. Free space counts only where no such object can be anywhere in that.
     pub within_m: f64,
+    /// The part of `within_m` that is the radius of the object itself, in metres; 0 where it is not
+    /// known, or where ground is asked about and not an object.
+    pub radius_m: f64,
 }
 
 /// What a look says of a place where nothing was reported.

@@ -2,6 +2,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use crate::memory_object::MemoryObject;
 use crate::{Life, ObjectId};
 
 /// One thing that became different in a memory.
@@ -68,5 +69,19 @@ impl fmt::Display for Change {
             Self::Told { fact } => write!(f, "told: {fact}"),
             Self::Retracted { fact } => write!(f, "retracted: {fact}"),
         }
+    }
+}
+
+/// Gives an object another life, and says so if it differs.
+pub(crate) fn become_(
+    object: ObjectId,
+    kept: &mut MemoryObject,
+    to: Life,
+    changes: &mut Vec<Change>,
+) {
+    let from = kept.life;
+    kept.life = to;
+    if from != to {
+        changes.push(Change::Became { object, from, to });
     }
 }

@@ -1,11 +1,11 @@
 use serde::{Deserialize, Serialize};
 
 use crate::ObjectId;
+use crate::answer::Answer;
 use crate::ground_pose::GroundPose;
 use crate::look::{Look, Observation, PoseKnowledge};
 use crate::look_evidence::{AskedPlace, Evidence, LookEvidence};
 use crate::memory_change::Change;
-use crate::query::Answer;
 use crate::robot_pose::RobotPose;
 use crate::scene_memory::SceneMemory;
 use crate::sighting::Sighting;

@@ -27,6 +27,11 @@ pub struct MemoryParams {
     pub cell_mm: u32,
     /// How far around the robot free ground is looked for, in millimetres; 0 keeps none.
     pub ground_mm: u32,
+    /// How high above the ground a square is asked whether it is free, in millimetres. The ball
+    /// asked about has half the side of a square for its radius, so that a camera that looks down
+    /// sees the ground behind it; what is lower than that is noticed as an object or not at all.
+    #[serde(default = "above_ground_mm")]
+    pub above_ground_mm: u32,
     /// The most squares kept.
     pub most_cells: usize,
     /// The most tombstones kept; the oldest go first.
@@ -60,11 +65,17 @@ impl Default for MemoryParams {
             policy: Policy::Refuse,
             cell_mm: 100,
             ground_mm: 2500,
+            above_ground_mm: above_ground_mm(),
             most_cells: 100_000,
             most_tombstones: 1000,
             most_changes: 1000,
         }
     }
+}
+
+/// Two balls of the default size above each other: the lower one touches the ground.
+const fn above_ground_mm() -> u32 {
+    100
 }
 
 /// Parameters by which nothing can be believed.

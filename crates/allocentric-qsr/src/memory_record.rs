@@ -5,10 +5,12 @@ use serde::{Deserialize, Serialize};
 use crate::depth_reference::DepthReference;
 use crate::ground_estimate::GroundEstimate;
 use crate::memory_change::Dated;
+use crate::memory_object::MemoryObject;
 use crate::memory_params::{BadMemoryParams, MemoryParams};
 use crate::place::owned_labels;
 use crate::robot_pose::RobotPose;
-use crate::scene_memory::{MemoryObject, SceneMemory, ToldFact};
+use crate::scene_memory::SceneMemory;
+use crate::told_fact::ToldFact;
 use crate::{AllocentricMap, DepthSet, Life, Mode, ObjectId, Observer};
 
 /// The form of a memory as data. A change of form changes the number.

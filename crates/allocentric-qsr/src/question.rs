@@ -2,7 +2,8 @@
 
 use crate::certainty::Certainty;
 use crate::ground_extent::GroundExtent;
-use crate::scene_memory::{Observer, SceneMemory};
+use crate::observer::Observer;
+use crate::scene_memory::SceneMemory;
 use crate::{DepthSet, FreePath, ObjectId, OrientationSet};
 
 impl SceneMemory {
@@ -64,7 +65,7 @@ impl SceneMemory {
     #[must_use]
     pub fn between(&self, one: &ObjectId, other: &ObjectId) -> Option<Vec<(ObjectId, Certainty)>> {
         let sigmas = self.params.qualify.sigmas;
-        let extent = |object: &ObjectId| Some(GroundExtent::of(&self.estimate(object)?, sigmas));
+        let extent = |object: &ObjectId| Some(GroundExtent::of(&self.here(object)?, sigmas));
         let (from, to) = (extent(one)?, extent(other)?);
         Some(self.which(|object| {
             if object == one || object == other {
@@ -91,7 +92,7 @@ impl SceneMemory {
         radius_m: f64,
     ) -> Option<(Certainty, FreePath)> {
         let sigmas = self.params.qualify.sigmas;
-        let place = self.estimate(object)?;
+        let place = self.here(object)?;
         let robot = self.robot.pose();
         let relative = place.widened(self.robot.covariance_m2());
         let here = GroundExtent::point([robot.x_m(), robot.z_m()]);

@@ -5,6 +5,9 @@ use crate::{Case, DepthSet, Mode, compose};
 /// in one table.
 const NARROW: usize = 8;
 
+/// Systems of so many classes have their sets in two bytes.
+const MIDDLE: usize = 16;
+
 /// The sound composition of sets of distance classes, planned once as look-ups of whole sets.
 ///
 /// A composition of sets is the union over their members, so a table of sets follows from the
@@ -56,6 +59,11 @@ impl WordTable {
         self.classes <= NARROW
     }
 
+    /// Whether a set fits in two bytes.
+    pub(crate) const fn is_middle(&self) -> bool {
+        self.classes <= MIDDLE
+    }
+
     /// Every class.
     pub(crate) fn all(&self) -> u32 {
         DepthSet::first(self.classes).bits()
@@ -102,6 +110,32 @@ impl Word for u8 {
     }
 }
 
+impl Word for u16 {
+    /// By byte of the second set, so that two look-ups serve 16 classes.
+    type Row<'t> = Box<[[Self; 256]; 2]>;
+
+    fn of_bits(bits: u32) -> Self {
+        bits as Self
+    }
+
+    fn bits(self) -> u32 {
+        self.into()
+    }
+
+    fn row(table: &WordTable, first: Self) -> Box<[[Self; 256]; 2]> {
+        let mut row = Box::new([[0; 256]; 2]);
+        for (byte, sums) in row.iter_mut().enumerate() {
+            *sums = byte_sums(table, first.into(), byte).map(|sum| sum as Self);
+        }
+        row
+    }
+
+    fn compose(row: &Box<[[Self; 256]; 2]>, second: Self) -> Self {
+        let [a, b] = second.to_le_bytes().map(usize::from);
+        row[0][a] | row[1][b]
+    }
+}
+
 impl Word for u32 {
     /// By byte of the second set, so that four look-ups serve 32 classes.
     type Row<'t> = Box<[[Self; 256]; 4]>;
@@ -117,15 +151,7 @@ impl Word for u32 {
     fn row(table: &WordTable, first: Self) -> Box<[[Self; 256]; 4]> {
         let mut row = Box::new([[0; 256]; 4]);
         for (byte, sums) in row.iter_mut().enumerate() {
-            for second in 1..256usize {
-                let class = 8 * byte + second.trailing_zeros() as usize;
-                let lowest = if class < table.classes {
-                    table.against(first, class)
-                } else {
-                    0
-                };
-                sums[second] = sums[second & (second - 1)] | lowest;
-            }
+            *sums = byte_sums(table, first, byte);
         }
         row
     }
@@ -134,4 +160,20 @@ impl Word for u32 {
         let [a, b, c, d] = second.to_le_bytes().map(usize::from);
         row[0][a] | row[1][b] | row[2][c] | row[3][d]
     }
+}
+
+/// What a set composes to with every set of the eight classes of one byte, one lowest member at a
+/// time.
+fn byte_sums(table: &WordTable, first: u32, byte: usize) -> [u32; 256] {
+    let mut sums = [0; 256];
+    for second in 1..256usize {
+        let class = 8 * byte + second.trailing_zeros() as usize;
+        let lowest = if class < table.classes {
+            table.against(first, class)
+        } else {
+            0
+        };
+        sums[second] = sums[second & (second - 1)] | lowest;
+    }
+    sums
 }

@@ -436,6 +436,112 @@ fn landmarks_join_two_frames() {
     assert!(matches!(refused, Refused::Contradiction(_)), "{refused}");
 }
 
+/// Two landmarks that both frames have carry everything of the one into the other: an object that the
+/// robot has not seen since it lost its pose has a place for it, with the errors of all of that.
+#[test]
+fn two_landmarks_carry_a_frame_into_another() {
+    let world = room([
+        ("cup", [0.0, 1.0]),
+        ("box", [0.4, 1.3]),
+        ("vase", [-0.5, 1.2]),
+        ("lamp", [0.9, 2.1]),
+    ]);
+    let mut memory = memory(MemoryParams::default());
+    for _ in 0..2 {
+        see(&mut memory, Eye::new(&world, GroundPose::default()));
+    }
+    // The robot is carried to another place and wakes there; box and vase are in its view.
+    let stands = GroundPose::new(0.3, 0.1, 0.4).unwrap();
+    let eye = Eye::new(&world, stands);
+    let mut look = eye.look(300, STILL);
+    look.pose = PoseKnowledge::Lost;
+    look.observations
+        .retain(|seen| ["box", "vase"].contains(&seen.sighting.object.as_str()));
+    assert_eq!(look.observations.len(), 2);
+    let two = look.clone();
+    memory.observe(&look, &NoDepth).unwrap();
+    let (cup, lamp) = ("cup".into(), "lamp".into());
+    let place = memory.from_robot(&cup).unwrap();
+    let (sin, cos) = stands.heading_rad().sin_cos();
+    let (dx, dz) = (0.0 - 0.3, 1.0 - 0.1);
+    let (right, forward) = (dx * cos + dz * sin, dz * cos - dx * sin);
+    // The eye errs by nothing here, so only rounding is left.
+    assert!((place.right_m - right).abs() < 1e-4, "{place:?}");
+    assert!((place.forward_m - forward).abs() < 1e-4, "{place:?}");
+    // Four sightings of a centimetre and more, over landmarks 0.9 m apart.
+    let sigma = place.covariance_m2[0][0].sqrt();
+    assert!((0.005..0.05).contains(&sigma), "{sigma}");
+    // What is known of one frame alone and of both is one room for every question.
+    let relation = memory
+        .relation(&"box".into(), &cup, &Observer::Robot)
+        .unwrap();
+    assert_eq!(memory.reference().labels(relation.places.depth), ["vc"]);
+    assert!(relation.read.is_some());
+    let way = memory.free_path(&Observer::Robot, &Observer::Object(cup.clone()), 0.02);
+    assert!(way.is_some());
+    let answer = ask(&memory, "within c,n of robot");
+    assert!(answer.to_string().contains("cup"), "{answer}");
+    // A thing of the new frame and one of the old: measured, by the landmarks.
+    look.time_ms = 400;
+    look.pose = PoseKnowledge::Known(RobotPose::default());
+    look.observations.push(Observation::from(Sighting {
+        object: "bell".into(),
+        distance_m: 0.5,
+        bearing_rad: 1.2,
+        sigma_distance_m: 0.01,
+        sigma_bearing_rad: 0.005,
+    }));
+    memory.observe(&look, &NoDepth).unwrap();
+    let across = memory
+        .relation(&"bell".into(), &lamp, &Observer::Robot)
+        .unwrap();
+    assert!(across.places.depth.len() < 3 && across.places.orientation != OrientationSet::ALL);
+    let why = memory.explain(&"bell".into(), &lamp).unwrap().to_string();
+    assert!(why.contains("whose frames box, vase join"), "{why}");
+    assert_eq!(SceneMemory::from_json(&memory.to_json()).unwrap(), memory);
+    // A life in another frame is not ended by what is seen in this one.
+    for _ in 0..9 {
+        let time_ms = memory.time_ms() + 1;
+        let empty = Look {
+            time_ms,
+            observations: vec![],
+            ..look.clone()
+        };
+        memory.observe(&empty, &|_| Evidence::FreeSpace).unwrap();
+    }
+    assert_eq!(life(&memory, "cup"), Life::OutOfView);
+    // A third frame that shares nothing with the second, and two landmarks with none: no place.
+    let mut lost = two;
+    lost.time_ms = memory.time_ms() + 1;
+    lost.observations.clear();
+    memory.observe(&lost, &NoDepth).unwrap();
+    assert_eq!(memory.frame(), 2);
+    assert_eq!(memory.from_robot(&cup), None);
+}
+
+/// A robot that is lost at every step keeps a memory of one size, and still joins what it sees.
+#[test]
+fn being_lost_again_and_again_fills_no_memory() {
+    let world = room([("cup", [0.0, 1.0]), ("box", [0.4, 1.3])]);
+    let mut memory = memory(MemoryParams {
+        ground_mm: 0,
+        most_changes: 20,
+        ..MemoryParams::default()
+    });
+    let mut sizes = Vec::new();
+    for step in 0..60 {
+        let mut look = Eye::new(&world, GroundPose::default()).look(step, STILL);
+        look.pose = PoseKnowledge::Lost;
+        memory.observe(&look, &NoDepth).unwrap();
+        sizes.push(memory.to_json().len());
+    }
+    assert_eq!(memory.frame(), 59);
+    assert_eq!(memory.object(&"cup".into()).unwrap().places.len(), 16);
+    // A few digits more than when the frames were full.
+    assert!(sizes[59] < sizes[30] + 100, "{} {}", sizes[30], sizes[59]);
+    assert!(memory.from_robot(&"cup".into()).is_some());
+}
+
 #[test]
 fn questions_get_certain_and_possible_answers() {
     let (_, memory) = figure_12();

@@ -15,7 +15,7 @@ use std::path::PathBuf;
 
 use allocentric_qsr::{BaseRelation, Depth, DepthReference, Orientation};
 use proptest::prelude::*;
-use systems::{presets, systems};
+use systems::{presets, system, systems};
 use witness::{Claim, Witness, claim_of, claims, search};
 
 fn file(reference: &DepthReference) -> PathBuf {
@@ -67,9 +67,33 @@ proptest! {
     #[test]
     fn every_claim_of_any_system_has_a_witness(reference in systems(1500)) {
         for claim in claims(&reference) {
-            prop_assert!(search(&reference, claim).is_some(), "{:?}", claim);
+            prop_assert!(is_witnessed(&reference, claim), "{:?}", claim);
         }
     }
+}
+
+/// Whether three points meet a claim, in whole micrometres or else in whole nanometres: where a side
+/// of less than a millimetre meets one of many, what is left between an extreme of the third side and
+/// a bound is narrower than a micrometre.
+fn is_witnessed(reference: &DepthReference, claim: Claim) -> bool {
+    let bounds = reference.classes().iter().skip(1);
+    let finer = || system(bounds.map(|class| 1000 * class.from_mm));
+    search(reference, claim).is_some() || search(&finer(), claim).is_some()
+}
+
+/// A side of less than 1 mm behind one of less than 250 mm reaches 250 mm by two micrometres.
+#[test]
+fn a_narrow_claim_is_met_by_nanometres() {
+    let reference = system([1, 250]);
+    let narrow = (
+        Depth::of_index(1),
+        Depth::of_index(0),
+        Orientation::BackLeft,
+        Orientation::FrontLeft,
+        Depth::of_index(2),
+    );
+    assert!(claims(&reference).contains(&narrow));
+    assert!(search(&reference, narrow).is_none() && is_witnessed(&reference, narrow));
 }
 
 /// Writes the witnesses anew: `cargo test -p allocentric-qsr --test witnesses -- --ignored`.

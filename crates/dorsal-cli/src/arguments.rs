@@ -1,7 +1,10 @@
 use clap::{CommandFactory as _, Parser, Subcommand, error::ErrorKind};
 
+use crate::compose_arguments::ComposeArguments;
 use crate::demo_arguments::DemoArguments;
 use crate::look_arguments::LookArguments;
+use crate::memory_arguments::MemoryArguments;
+use crate::network_arguments::NetworkArguments;
 use crate::tables_arguments::TablesArguments;
 use crate::v1_arguments::V1Arguments;
 
@@ -33,6 +36,12 @@ pub(crate) enum Command {
     V1(V1Arguments),
     /// Prints a composition table of the qualitative calculus
     Tables(TablesArguments),
+    /// Composes two relations of the qualitative calculus
+    Compose(ComposeArguments),
+    /// Closes a network of facts about distances, with proofs
+    Network(NetworkArguments),
+    /// Remembers looks and facts in a file, and answers questions about them
+    Memory(MemoryArguments),
 }
 
 const EXAMPLES: &str = "\
@@ -47,6 +56,8 @@ Examples:
       What the first level knows of one picture: responses, orientations, edges.
   dorsal tables --system drs1 --case 1
       Table 2 of the paper.
+  dorsal memory init && dorsal memory add out/room && dorsal memory ask \"within c of robot\"
+      What is near the robot, seen or remembered.
 
 Exit codes: 0 success, 1 failure (a broken file, a bound that does not hold), 2 wrong arguments.";
 

@@ -2,23 +2,37 @@
 //!
 //! The levels do the work; here are the people's side of it: arguments, files, pictures, clocks.
 mod arguments;
+mod compose;
+mod compose_arguments;
 mod console;
 mod demo;
 mod demo_arguments;
 mod demo_scene;
+mod facts;
 mod label_picture;
 mod look;
 mod look_arguments;
 mod look_files;
 mod look_record;
+mod memory;
+mod memory_add;
+mod memory_arguments;
+mod memory_changes;
+mod memory_file;
+mod memory_show;
+mod memory_watch;
 mod motorcycle;
+mod network;
+mod network_arguments;
 mod object_table;
 mod objects;
 mod outputs;
 mod plan;
+mod pose_argument;
 mod reference_system;
 mod relation_table;
 mod room;
+mod scene_file;
 mod scene_record;
 mod sight;
 mod tables;
@@ -32,11 +46,13 @@ mod v1_arguments;
 mod v1_files;
 mod v1_record;
 mod verdict;
+mod wrong_call;
 
 use std::io::{self, Write as _};
 use std::process::ExitCode;
 
 use crate::arguments::{Arguments, Command};
+use crate::wrong_call::WrongCall;
 
 fn main() -> ExitCode {
     let arguments = Arguments::of_process();
@@ -46,13 +62,20 @@ fn main() -> ExitCode {
         Command::Demo(demo) => demo::demo(demo, &mut out),
         Command::V1(arguments) => v1::v1(arguments, &mut out),
         Command::Tables(tables) => tables::tables(tables, &mut out),
+        Command::Compose(compose) => compose::compose(compose, &mut out),
+        Command::Network(network) => network::network(network, &mut out),
+        Command::Memory(memory) => memory::memory(memory, &mut out),
     }
     .and_then(|()| Ok(out.flush()?));
     match done {
         Err(error) if !is_broken_pipe(&error) => {
             // If standard error is closed too, the exit code still says it.
             let _ = writeln!(io::stderr(), "dorsal: {error:#}");
-            ExitCode::FAILURE
+            if error.is::<WrongCall>() {
+                ExitCode::from(2)
+            } else {
+                ExitCode::FAILURE
+            }
         }
         _ => ExitCode::SUCCESS,
     }

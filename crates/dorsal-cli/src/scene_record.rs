@@ -2,7 +2,7 @@ use dorsal::allocentric_qsr::{
     DepthReference, EgocentricRecord, Inference, Mode, ObjectId, RelationRecord,
 };
 use dorsal::egocentric_depth::{LocatedObject, StereoRig, UnlocatedObject};
-use dorsal::{Names, object_id};
+use dorsal::{Names, object_id, radius_m};
 use serde::Serialize;
 
 use crate::object_table::depth_sigma_m;
@@ -37,6 +37,8 @@ struct ObjectRecord {
     /// Over the ground: 0 is right, a right angle is front.
     bearing_rad: f64,
     bearing_sigma_rad: f64,
+    /// Of the disc that covers as many pixels at this range.
+    radius_m: f64,
     /// The median pixel of the left picture.
     pixel: [f64; 2],
     pixels: usize,
@@ -126,6 +128,7 @@ impl ObjectRecord {
             distance_sigma_m: object.distance_sigma_m(),
             bearing_rad: object.bearing_rad(),
             bearing_sigma_rad: object.bearing_sigma_rad(),
+            radius_m: radius_m(object, rig),
             pixel: [object.pixel.0, object.pixel.1],
             pixels: object.pixels,
             reliable_pixels: object.reliable_pixels,

@@ -1,5 +1,5 @@
 use clap::{Args, ValueEnum};
-use dorsal::allocentric_qsr::{Case, Mode};
+use dorsal::allocentric_qsr::Case;
 
 /// Which table `dorsal tables` prints, and how.
 #[derive(Debug, Args)]
@@ -29,6 +29,8 @@ pub(crate) enum Calculus {
     Published,
     /// Every class that some configuration has
     Sound,
+    /// The cells where the paper's answer excludes a real configuration, with numbers that show it
+    Diff,
 }
 
 /// The form of a table.
@@ -52,6 +54,7 @@ Rows are the first distance of the case, columns the second; a cell holds what t
 Examples:
   dorsal tables --system drs1 --case 1
   dorsal tables --system drs2 --case 3 --mode sound --format markdown
+  dorsal tables --system drs2 --case 1 --mode diff
   dorsal tables --system arm.toml --case 1 --format json
 
 A system of your own reads:
@@ -60,15 +63,6 @@ A system of your own reads:
     { short = \"in\", name = \"within_reach\", from_mm = 0 },
     { short = \"out\", name = \"out_of_reach\", from_mm = 850 },
   ]";
-
-impl Calculus {
-    pub(crate) const fn mode(self) -> Mode {
-        match self {
-            Self::Published => Mode::Published,
-            Self::Sound => Mode::Sound,
-        }
-    }
-}
 
 fn case(text: &str) -> Result<Case, String> {
     text.parse()

@@ -9,8 +9,11 @@
 //! ```
 //! use std::collections::BTreeMap;
 //!
-//! use dorsal::Dorsal;
-//! use dorsal::allocentric_qsr::{AllocentricMap, DepthReference, GroundPose, QualifyParams};
+//! use dorsal::allocentric_qsr::{
+//!     AllocentricMap, DepthReference, GroundPose, MemoryParams, PoseKnowledge, QualifyParams,
+//!     RobotPose, SceneMemory,
+//! };
+//! use dorsal::{Dorsal, Stand};
 //! use dorsal::disparity_pyramid::MatchParams;
 //! use dorsal::egocentric_depth::{CameraIntrinsics, LabelImage, LocateParams, StereoRig};
 //! use dorsal::v1_gabor::{Binocular, FilterBank, GaborParams, LumaImage, Size};
@@ -52,12 +55,25 @@
 //! let map = AllocentricMap::new(&dorsal.reference, dorsal.qualifying)?
 //!     .with(&percept.qualitative, GroundPose::default())?;
 //! assert_eq!(map.last_seen(&"poster".into()), Some(1));
+//!
+//! // Or into a memory, which takes the depth map as evidence for what a look does not show.
+//! let mut memory = SceneMemory::new(&dorsal.reference, MemoryParams::default())?;
+//! let stand = Stand {
+//!     time_ms: 0,
+//!     pose: PoseKnowledge::Known(RobotPose::default()),
+//!     eyes_above_ground_m: 0.8,
+//! };
+//! dorsal.remember(&mut memory, &percept, &names, stand)?;
+//! let answer = memory.ask(&"within n of robot".parse()?)?;
+//! assert_eq!(answer.to_string(), "certainly none; possibly poster");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+mod depth_evidence;
 mod dorsal;
 mod error;
-
+mod observations;
 mod percept;
+mod remember;
 mod sightings;
 
 pub use allocentric_qsr;
@@ -65,7 +81,10 @@ pub use disparity_pyramid;
 pub use egocentric_depth;
 pub use v1_gabor;
 
+pub use depth_evidence::DepthEvidence;
 pub use dorsal::Dorsal;
 pub use error::Error;
+pub use observations::{observations, radius_m};
 pub use percept::Percept;
+pub use remember::Stand;
 pub use sightings::{Names, object_id, sightings};
