@@ -29,7 +29,7 @@ pixel is heard if its own energy is.
 for the four rows above it, so under one protocol this row is the Gabor row.
 - **rows only** is the same with the vertical component held at 0, which these rectified pairs allow.
 - **two warps** is the same with a second warp a scale, which reads again what the first fell short of.
-- **ours** is PBBDE with the default parameters of this library (`MatchParams::default`): three warps \
+- **ours** is PBBDE with the default parameters of this library (`MatchParams::default`): two warps \
 a scale and two at the finest, robust weights, 5 x 5 medians, a vertical prior, coherence and look back.
 
 Errors are `d estimated - d true` in pixels, over the pixels that the estimator calls valid. \

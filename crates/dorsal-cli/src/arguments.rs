@@ -86,7 +86,11 @@ impl Command {
         match self {
             Self::Look(look) => Some(("look", look.conflict()?)),
             Self::V1(v1) => Some(("v1", v1.conflict()?)),
-            Self::Demo(_) | Self::Tables(_) => None,
+            Self::Demo(_)
+            | Self::Tables(_)
+            | Self::Compose(_)
+            | Self::Network(_)
+            | Self::Memory(_) => None,
         }
     }
 }
