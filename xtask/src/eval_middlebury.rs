@@ -5,16 +5,14 @@ use anyhow::{Context, bail};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use ndarray::Array2;
-use stereo_formats::picture::Picture;
 use stereo_formats::scene_folder::{self, StereoScene};
-use v1_gabor::Binocular;
 
 use crate::bounds;
 use crate::data_folder;
 use crate::date;
 use crate::download::{self, Downloaded};
 use crate::error_picture;
-use crate::estimator::Estimator;
+use crate::estimator::{Estimator, Preset, search_of};
 use crate::evaluation::Evaluation;
 use crate::machine::Machine;
 use crate::manifest::{ListedScene, Manifest};
@@ -49,6 +47,9 @@ pub(crate) struct Options {
     /// How disparities are estimated
     #[arg(long, value_enum, default_value_t = Estimator::Vector)]
     estimator: Estimator,
+    /// The parameter set of the dense estimator
+    #[arg(long, value_enum, default_value_t = Preset::Best)]
+    preset: Preset,
     /// Write every number to this file, as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -187,9 +188,9 @@ fn score(scene: &StereoScene, truth: &Array2<f32>, options: &Options) -> anyhow:
     let pair = scene.pair()?;
     let left = pair.left.rgb().to_owned();
     let masks = Masks::of(scene, truth.view(), left.view())?;
-    let eyes: Binocular<_> = pair.map(Picture::into_luma);
+    let search = search_of(truth.view())?;
     let start = Instant::now();
-    let field = options.estimator.look(&eyes)?;
+    let field = options.estimator.look(options.preset, &pair, search)?;
     let took = start.elapsed();
     if let Some(folder) = &options.pictures {
         let name = &scene.description.name;

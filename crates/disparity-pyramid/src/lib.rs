@@ -47,6 +47,7 @@
 //! Then the same is done from the right eye to the left, and what does not come back to where it
 //! started is occluded or inconsistent. [`MatchParams::as_published`] takes the paper's steps alone.
 mod coarse_to_fine;
+mod dense;
 mod disparity_field;
 mod estimate;
 mod expand;
@@ -61,6 +62,10 @@ mod tile;
 mod validity;
 mod warp;
 
+pub use dense::{
+    Acuity, BadDense, BadDenseParam, BadRange, Cost, DenseMatcher, DenseParams, EyeView, LookBack,
+    SearchRange, WrongView,
+};
 pub use disparity_field::{Disparity, DisparityField, NotAField};
 pub use estimate::{Mismatch, estimate};
 pub use match_params::{MatchParams, MedianRadius};

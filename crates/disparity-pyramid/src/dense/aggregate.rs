@@ -1,0 +1,252 @@
+use ndarray::{Array2, ArrayViewMut2, Axis, s};
+use pulp::{Arch, NullaryFnOnce};
+use rayon::prelude::*;
+
+use crate::SearchRange;
+use crate::dense::path_step::{FAR, path_step};
+use crate::dense::pixel_cost::{LANES, PixelCost};
+use crate::dense::strip::{BAND, Ground, STRIP, Strip};
+use crate::dense::winner::{NO_SHIFT, winner};
+
+/// Rows that one thread takes at a time.
+const ROWS_A_JOB: usize = 2;
+
+/// The shift of every pixel whose paths cost least.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Winners {
+    /// Shifts in pixels, between whole ones by the parabola.
+    pub(crate) dx: Array2<f32>,
+    /// How much more the best other shift costs, in the integers of a cost; 0 where nothing tells
+    /// two shifts apart.
+    pub(crate) margin: Array2<i16>,
+    /// The shift (still `dx`, right minus left) of every pixel of the other eye by the same sums,
+    /// in whole pixels; NaN where no shift leads there.
+    pub(crate) other_dx: Option<Array2<f32>>,
+}
+
+/// Semi-global aggregation: four paths, from the left, the right, above and below, run through
+/// every pixel; each adds to the pixel's cost of a shift what it paid to arrive there with it.
+///
+/// Bands of rows come one after the other; in each the columns' paths run side by side in strips,
+/// then the rows'. No sum depends on how many threads share the work. With `other` the sums also
+/// say what the other eye sees.
+pub(crate) fn aggregate<C: PixelCost>(
+    ground: Ground<'_, C>,
+    search: SearchRange,
+    other: bool,
+) -> Winners {
+    let (width, height) = (ground.guide.width(), ground.guide.height());
+    let mut strips = Strip::all(width, ground.shifts);
+    strips.par_iter_mut().for_each(|strip| strip.mark(ground));
+
+    let mut dx = Array2::zeros((height, width));
+    let mut margin = Array2::zeros((height, width));
+    let mut other_dx = other.then(|| Array2::zeros((height, width)));
+    let mut spaces = vec![RowSpace::new(width, ground.shifts); BAND / ROWS_A_JOB];
+    for top in (0..height).step_by(BAND) {
+        strips
+            .par_iter_mut()
+            .for_each(|strip| strip.fill_band(ground, top));
+        let rows = s![top..(top + BAND).min(height), ..];
+        let mut dx = dx.slice_mut(rows);
+        let mut margin = margin.slice_mut(rows);
+        let jobs = dx
+            .axis_chunks_iter_mut(Axis(0), ROWS_A_JOB)
+            .zip(margin.axis_chunks_iter_mut(Axis(0), ROWS_A_JOB))
+            .zip(&mut spaces);
+        let mut others = other_dx.as_mut().map(|other| other.slice_mut(rows));
+        let mut others = others
+            .iter_mut()
+            .flat_map(|other| other.axis_chunks_iter_mut(Axis(0), ROWS_A_JOB));
+        let jobs = jobs.enumerate().map(|(job, ((dx, margin), space))| Rows {
+            ground,
+            strips: &strips,
+            search,
+            top,
+            first: job * ROWS_A_JOB,
+            space,
+            dx,
+            margin,
+            other_dx: others.next(),
+        });
+        let jobs: Vec<_> = jobs.collect();
+        jobs.into_par_iter()
+            .for_each(|rows| Arch::new().dispatch(rows));
+    }
+    Winners {
+        dx,
+        margin,
+        other_dx,
+    }
+}
+
+/// What the paths of one row need.
+#[derive(Clone)]
+struct RowSpace {
+    places: usize,
+    /// The sums of three paths `[[x, place]]`.
+    sums: Vec<i16>,
+    before: Vec<i16>,
+    now: Vec<i16>,
+    total: Vec<i16>,
+    /// What a large step from each pixel to the next costs.
+    large: Vec<i16>,
+    /// The least sum that leads to each pixel of the other eye, and its shift's place.
+    other_least: Vec<i16>,
+    other_place: Vec<i16>,
+}
+
+impl RowSpace {
+    fn new(width: usize, shifts: usize) -> Self {
+        let places = shifts.next_multiple_of(LANES);
+        Self {
+            places,
+            sums: vec![0; width * places],
+            before: vec![FAR; places + 2],
+            now: vec![FAR; places + 2],
+            total: vec![0; places],
+            large: vec![0; width],
+            other_least: vec![0; width],
+            other_place: vec![0; width],
+        }
+    }
+
+    /// Before the first pixel of a path: nothing has been paid.
+    #[inline(always)]
+    fn unpaid(&mut self) {
+        self.before[1..=self.places].fill(0);
+    }
+}
+
+/// The horizontal paths of a few rows, and their winners.
+struct Rows<'a, C> {
+    ground: Ground<'a, C>,
+    strips: &'a [Strip],
+    search: SearchRange,
+    /// The first row of the band.
+    top: usize,
+    /// The first row of the job, within the band.
+    first: usize,
+    space: &'a mut RowSpace,
+    dx: ArrayViewMut2<'a, f32>,
+    margin: ArrayViewMut2<'a, i16>,
+    other_dx: Option<ArrayViewMut2<'a, f32>>,
+}
+
+impl<C: PixelCost> NullaryFnOnce for Rows<'_, C> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(mut self) {
+        for row in 0..self.dx.nrows() {
+            self.row(row);
+        }
+    }
+}
+
+impl<C: PixelCost> Rows<'_, C> {
+    #[inline(always)]
+    fn row(&mut self, row: usize) {
+        let Self {
+            ground,
+            strips,
+            search,
+            top,
+            first,
+            space,
+            dx,
+            margin,
+            other_dx,
+        } = self;
+        let (ground, search) = (*ground, *search);
+        let band_row = *first + row;
+        let y = *top + band_row;
+        let mut dx = dx.row_mut(row);
+        let mut margin = margin.row_mut(row);
+        let (width, places, shifts) = (dx.len(), space.places, ground.shifts);
+        for x in 1..width {
+            let here = y * width + x;
+            space.large[x] = ground.penalty.large(ground.guide.step(here - 1, here));
+        }
+        let small = ground.penalty.small;
+
+        space.unpaid();
+        let mut least = 0;
+        for strip in strips.iter() {
+            let (costs, vertical) = strip.row(band_row);
+            let runs = costs
+                .chunks_exact(places)
+                .zip(vertical.chunks_exact(places));
+            for (column, (costs, vertical)) in runs.enumerate() {
+                let x = strip.start() + column;
+                let penalties = (small, space.large[x]);
+                let (before, now) = (&space.before, &mut space.now);
+                least = path_step(before, least, penalties, costs, shifts, now);
+                let sums = &mut space.sums[x * places..(x + 1) * places];
+                for ((sum, now), vertical) in sums.iter_mut().zip(&now[1..]).zip(vertical) {
+                    *sum = now + vertical;
+                }
+                std::mem::swap(&mut space.before, &mut space.now);
+            }
+        }
+
+        space.unpaid();
+        space.other_least.fill(NO_SHIFT);
+        let mut least = 0;
+        for x in (0..width).rev() {
+            let strip = &strips[x / STRIP];
+            let column = x - strip.start();
+            let costs = &strip.row(band_row).0[column * places..(column + 1) * places];
+            let large = space.large.get(x + 1).copied().unwrap_or(0);
+            let (before, now) = (&space.before, &mut space.now);
+            least = path_step(before, least, (small, large), costs, shifts, now);
+            let sums = &space.sums[x * places..(x + 1) * places];
+            for ((total, now), sum) in space.total.iter_mut().zip(&now[1..]).zip(sums) {
+                *total = now + sum;
+            }
+            space.total[shifts..].fill(NO_SHIFT);
+            if other_dx.is_some() {
+                space.tell_the_other(x, search);
+            }
+            let found = winner(&mut space.total);
+            let whole = search.least_dx() + found.place as i32;
+            dx[x] = whole as f32 + found.beyond;
+            margin[x] = found.margin;
+            std::mem::swap(&mut space.before, &mut space.now);
+        }
+        let Some(other_dx) = other_dx else {
+            return;
+        };
+        let told = space.other_least.iter().zip(&space.other_place);
+        for (dx, (least, place)) in other_dx.row_mut(row).iter_mut().zip(told) {
+            *dx = if *least < NO_SHIFT {
+                (search.least_dx() + i32::from(*place)) as f32
+            } else {
+                f32::NAN
+            };
+        }
+    }
+}
+
+impl RowSpace {
+    /// Offers the sums of pixel `x` to the pixels of the other eye that its shifts lead to.
+    #[inline(always)]
+    fn tell_the_other(&mut self, x: usize, search: SearchRange) {
+        let width = self.other_least.len() as i32;
+        let first = x as i32 + search.least_dx();
+        let begin = (-first).clamp(0, search.shifts() as i32);
+        let end = (width - first).clamp(begin, search.shifts() as i32);
+        let seen = (first + begin).max(0) as usize..(first + end).max(0) as usize;
+        let offers = &self.total[begin as usize..end as usize];
+        if offers.is_empty() {
+            return;
+        }
+        let least = self.other_least[seen.clone()].iter_mut();
+        let best = least.zip(&mut self.other_place[seen]);
+        for ((place, offer), (least, best)) in (begin as i16..).zip(offers).zip(best) {
+            let better = offer < least;
+            *best = if better { place } else { *best };
+            *least = if better { *offer } else { *least };
+        }
+    }
+}

@@ -1,0 +1,174 @@
+use std::f32::consts::FRAC_PI_2;
+
+use ndarray::{Array2, ArrayView2, Axis};
+use pulp::{Arch, NullaryFnOnce};
+use rayon::prelude::*;
+use v1_gabor::{Binocular, Responses, WaveVector};
+
+use crate::phase::{angle, wrap};
+use crate::warp::lanes;
+
+/// The most that the phase may move a shift, in pixels: what is left of a whole pixel after the
+/// parabola.
+const MOST_STEP_PX: f32 = 0.4;
+
+/// Least agreement of the phases with the shift that they give together.
+const LEAST_COHERENCE: f32 = 0.5;
+
+/// Largest difference of shifts within 5 x 5 pixels, in pixels: across the end of a surface a filter
+/// sees both sides, and its phase is neither's.
+const MOST_RANGE_PX: f32 = 1.5;
+
+/// Orientations that are treated side by side.
+const LANES: usize = 8;
+
+/// Most banks that are asked together.
+pub(crate) const MOST_BANKS: usize = 2;
+
+/// Both eyes' responses of one bank.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Band<'a> {
+    pub(crate) eyes: Binocular<&'a Responses>,
+    /// The wave vectors, by orientation.
+    pub(crate) waves: &'a [WaveVector],
+}
+
+/// Moves each shift by what the phases still differ there (hyperacuity), and returns how well they
+/// agree, from -1 to 1, 0 where nothing is heard.
+///
+/// With `z = Q_R(x + round dx) conj Q_L(x)` and `ph = arg z + w_x (dx - round dx)` (the phase grows
+/// along x, and the right eye's is read `dx` further on), weights
+/// `W = sqrt|z| (2 |z| / (|Q_L|^2 + |Q_R|^2))^2` for the energy and the balance of both eyes, the
+/// shift still to add is `-sum W w_x ph / sum W w_x^2`. `steady` says where a shift may move:
+/// without these gates the step hurts at the ends of surfaces.
+pub(crate) fn sharpen(
+    dx: &mut Array2<f32>,
+    bands: &[Band<'_>],
+    ranges: ArrayView2<'_, f32>,
+    steady: ArrayView2<'_, bool>,
+) -> Array2<f32> {
+    let mut coherence = Array2::zeros(dx.dim());
+    let rows = dx.axis_iter_mut(Axis(0)).into_par_iter();
+    let coherences = coherence.axis_iter_mut(Axis(0)).into_par_iter();
+    rows.zip(coherences)
+        .enumerate()
+        .for_each(|(y, (mut dx, mut coherence))| {
+            Arch::new().dispatch(Row {
+                bands,
+                y,
+                dx: dx.iter_mut().zip(coherence.iter_mut()),
+                gates: ranges.row(y).into_iter().zip(steady.row(y)),
+            });
+        });
+    coherence
+}
+
+struct Row<'a, I, J> {
+    bands: &'a [Band<'a>],
+    y: usize,
+    dx: I,
+    gates: J,
+}
+
+impl<'a, I, J> NullaryFnOnce for Row<'_, I, J>
+where
+    I: Iterator<Item = (&'a mut f32, &'a mut f32)>,
+    J: Iterator<Item = (&'a f32, &'a bool)>,
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        for (x, ((dx, coherence), (range, steady))) in self.dx.zip(self.gates).enumerate() {
+            let (step, agreement) = residual(self.bands, x, self.y, *dx);
+            *coherence = agreement;
+            let takes = *steady
+                && *range < MOST_RANGE_PX
+                && agreement > LEAST_COHERENCE
+                && step.abs() < MOST_STEP_PX;
+            if takes {
+                *dx += step;
+            }
+        }
+    }
+}
+
+/// The shift that the phases at a pixel still ask for, and their agreement with it.
+#[inline(always)]
+fn residual(bands: &[Band<'_>], x: usize, y: usize, dx: f32) -> (f32, f32) {
+    let whole = dx.round();
+    let seen = x as f32 + whole;
+    let width = bands.first().map_or(0, |band| band.eyes.right.size().width);
+    if !(seen >= 0.0 && seen < width as f32) {
+        return (0.0, 0.0);
+    }
+    let mut phases = [[0.0; LANES]; MOST_BANKS];
+    let mut weights = [[0.0; LANES]; MOST_BANKS];
+    let mut waves = [[0.0; LANES]; MOST_BANKS];
+    let (mut numerator, mut denominator, mut heard) = (0.0, 0.0, 0.0);
+    for (i, band) in bands.iter().take(MOST_BANKS).enumerate() {
+        let left = band.eyes.left.pixel(x, y);
+        let right = band.eyes.right.pixel(seen as usize, y);
+        let (le, lo) = (lanes::<LANES>(left.even), lanes::<LANES>(left.odd));
+        let (re, ro) = (lanes::<LANES>(right.even), lanes::<LANES>(right.odd));
+        for (lane, wave) in waves[i].iter_mut().zip(band.waves) {
+            *lane = wave.x;
+        }
+        for q in 0..LANES {
+            let even = re[q] * le[q] + ro[q] * lo[q];
+            let odd = ro[q] * le[q] - re[q] * lo[q];
+            let phase = wrap(angle(odd, even) + waves[i][q] * (dx - whole));
+            let product = (even * even + odd * odd).sqrt();
+            let energy = le[q] * le[q] + lo[q] * lo[q] + re[q] * re[q] + ro[q] * ro[q];
+            let balance = 2.0 * product / energy.max(f32::MIN_POSITIVE);
+            let weight = product.sqrt() * balance * balance;
+            let weight = if phase.abs() > FRAC_PI_2 { 0.0 } else { weight };
+            phases[i][q] = phase;
+            weights[i][q] = weight;
+        }
+        for q in 0..LANES {
+            numerator += weights[i][q] * waves[i][q] * phases[i][q];
+            denominator += weights[i][q] * waves[i][q] * waves[i][q];
+            heard += weights[i][q];
+        }
+    }
+    if denominator <= f32::MIN_POSITIVE {
+        return (0.0, 0.0);
+    }
+    let step = -numerator / denominator;
+    let mut agreement = 0.0;
+    for i in 0..bands.len().min(MOST_BANKS) {
+        for q in 0..LANES {
+            agreement += weights[i][q] * cosine(phases[i][q] + waves[i][q] * step);
+        }
+    }
+    (step, agreement / heard)
+}
+
+/// The cosine of an angle within a turn of 0, to 2e-3: as close as an agreement needs to be known,
+/// and without a call.
+#[inline(always)]
+fn cosine(angle: f32) -> f32 {
+    let square = wrap(angle);
+    let square = square * square;
+    // The series about 0, its last term raised so that it ends at -1 at half a turn.
+    1.0 + square
+        * (-0.5
+            + square
+                * (1.0 / 24.0
+                    + square * (-1.0 / 720.0 + square * (1.0 / 40_320.0 - square * 2.2e-7))))
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn the_cosine_is_the_standard_library_s(angle in -6.0f32..6.0) {
+            prop_assert!((cosine(angle) - angle.cos()).abs() < 2e-3);
+        }
+    }
+}
