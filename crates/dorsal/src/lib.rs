@@ -9,7 +9,7 @@
 //! ```
 //! use std::collections::BTreeMap;
 //!
-//! use dorsal::Dorsal;
+//! use dorsal::{Dorsal, Estimator};
 //! use dorsal::allocentric_qsr::{AllocentricMap, DepthReference, GroundPose, QualifyParams};
 //! use dorsal::disparity_pyramid::MatchParams;
 //! use dorsal::egocentric_depth::{CameraIntrinsics, LabelImage, LocateParams, StereoRig};
@@ -33,6 +33,7 @@
 //! let dorsal = Dorsal {
 //!     bank: FilterBank::plan(GaborParams::default().fitted_to(size), size)?,
 //!     matching: MatchParams { zero_disparity_px: (-16.0, 0.0), ..MatchParams::default() },
+//!     estimator: Estimator::Vector,
 //!     rig: StereoRig::parallel(Binocular { left: camera, right: camera }, 0.1)?,
 //!     locating: LocateParams::default(),
 //!     reference: DepthReference::robot_120(),
@@ -56,7 +57,7 @@
 //! ```
 mod dorsal;
 mod error;
-
+mod estimator;
 mod percept;
 mod sightings;
 
@@ -67,5 +68,6 @@ pub use v1_gabor;
 
 pub use dorsal::Dorsal;
 pub use error::Error;
+pub use estimator::{DenseLook, Estimator, Search};
 pub use percept::Percept;
 pub use sightings::{Names, object_id, sightings};

@@ -1,3 +1,5 @@
+use crate::DisparityField;
+
 /// The horizontal shifts that the dense estimator tries: whole pixels of `dx`, right minus left,
 /// both ends included.
 ///
@@ -69,6 +71,33 @@ impl SearchRange {
     #[must_use]
     pub const fn shifts(self) -> usize {
         self.most_dx.abs_diff(self.least_dx) as usize + 1
+    }
+
+    /// The range that covers what a field of the vector pyramid sees: from the shift that one valid
+    /// pixel in 200 lies below to the one that as many lie above, and beyond by 4 px and a sixth of
+    /// the span on either side. `None` if nothing is valid.
+    ///
+    /// A mismatch here and there does not widen it; a thing that covers less than one pixel in 200
+    /// and lies far before everything else may be missed.
+    #[must_use]
+    pub fn covering(field: &DisparityField) -> Option<Self> {
+        const OUTLIERS: usize = 200;
+        const MARGIN_PX: f32 = 4.0;
+        const MARGIN_SPAN: f32 = 1.0 / 6.0;
+        let valid = field.dx().into_iter().zip(field.validity());
+        let mut valid: Vec<f32> = valid
+            .filter_map(|(dx, validity)| validity.is_valid().then_some(*dx))
+            .collect();
+        valid.sort_unstable_by(f32::total_cmp);
+        let skipped = valid.len() / OUTLIERS;
+        let (least, most) = (valid.get(skipped)?, valid.get(valid.len() - 1 - skipped)?);
+        let margin_px = MARGIN_PX + MARGIN_SPAN * (most - least);
+        let width = field.size().width;
+        let range = Self {
+            least_dx: (least - margin_px).floor() as i32,
+            most_dx: (most + margin_px).ceil() as i32,
+        };
+        Some(range.within(width))
     }
 
     /// The same range without shifts that lead out of an image of this width at every pixel. What
