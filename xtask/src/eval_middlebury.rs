@@ -16,6 +16,7 @@ use crate::estimator::{Estimator, Preset, search_of};
 use crate::evaluation::Evaluation;
 use crate::machine::Machine;
 use crate::manifest::{ListedScene, Manifest};
+use crate::marks;
 use crate::masks::Masks;
 use crate::results_page::results_page;
 use crate::score::Score;
@@ -32,6 +33,7 @@ use crate::score_tables;
 Examples:
   cargo xtask eval-middlebury --data ~/data
   cargo xtask eval-middlebury --scene venus --scene tsukuba --pictures out
+  cargo xtask eval-middlebury --estimator dense --preset fast --sparsification
   cargo xtask eval-middlebury --check --json out/eval.json --results out/results.md
   cargo xtask eval-middlebury --data ~/data --download --from https://HOST/data
 
@@ -60,6 +62,9 @@ pub(crate) struct Options {
     /// evaluated
     #[arg(long, value_name = "FILE")]
     results: Option<PathBuf>,
+    /// Print how well the confidence orders the errors: the area under the sparsification curve
+    #[arg(long)]
+    sparsification: bool,
     /// Fail if an error is above its bound (dense, visible pixels: venus 0.45, sawtooth 0.70,
     /// tsukuba 0.70 px)
     #[arg(long)]
@@ -102,7 +107,7 @@ pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
         estimator: options.estimator,
         scenes: scores(&data, options)?,
     };
-    print(&evaluation);
+    print(&evaluation, options);
     write(&evaluation, options)?;
     if options.check {
         bounds::check(&evaluation.scenes)?;
@@ -205,12 +210,24 @@ fn score(scene: &StereoScene, truth: &Array2<f32>, options: &Options) -> anyhow:
     ))
 }
 
-fn print(evaluation: &Evaluation) {
+fn print(evaluation: &Evaluation, options: &Options) {
     let scores = &evaluation.scenes;
     for score in scores {
         println!("{}, px\n{}", score.scene, score_tables::of_scene(score));
     }
     println!("Visible pixels, px\n{}", score_tables::of_all(scores));
+    if options.estimator == Estimator::Dense
+        && let Some(table) = marks::table(scores, options.preset)
+    {
+        println!("The marks, best guess everywhere\n{table}");
+    }
+    if options.sparsification {
+        let table = score_tables::of_sparsification(scores);
+        println!(
+            "Area under the sparsification curve: bad-1 % among the most confident, averaged over \
+             all numbers of them; visible pixels\n{table}"
+        );
+    }
     if let Some(table) = score_tables::beside_table_1(scores) {
         println!("The paper's Table 1 (density of ours)\n{table}");
     }
@@ -223,10 +240,9 @@ fn write(evaluation: &Evaluation, options: &Options) -> anyhow::Result<()> {
     }
     let docs = || {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent()?;
-        // A page of some scenes is no replacement for the page of all.
-        options
-            .scene
-            .is_empty()
+        // A page of some scenes is no replacement for the page of all, nor that of another
+        // estimator, which compare-opencv writes.
+        (options.scene.is_empty() && options.estimator == Estimator::Vector)
             .then(|| root.join("docs").join("results.md"))
     };
     if let Some(path) = options.results.clone().or_else(docs) {
@@ -265,6 +281,10 @@ fn command(options: &Options) -> String {
     if options.estimator != Estimator::Vector {
         command += " --estimator ";
         command += options.estimator.name();
+    }
+    if options.estimator == Estimator::Dense {
+        command += " --preset ";
+        command += options.preset.name();
     }
     for scene in &options.scene {
         command += " --scene ";
