@@ -250,3 +250,138 @@ impl RowSpace {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+    use v1_gabor::LumaImage;
+
+    use super::*;
+    use crate::dense::dense_params::DenseParams;
+    use crate::dense::eye_view::EyeView;
+    use crate::dense::guide::Guide;
+    use crate::dense::step_penalty::StepPenalty;
+
+    /// Costs that are simply there, `[[y, x, shift]]`.
+    struct Given {
+        width: usize,
+        shifts: usize,
+        costs: Vec<u8>,
+    }
+
+    impl PixelCost for Given {
+        fn costs(&self, x: usize, y: usize, costs: &mut [u8]) {
+            let start = (y * self.width + x) * self.shifts;
+            costs[..self.shifts].copy_from_slice(&self.costs[start..start + self.shifts]);
+        }
+
+        fn from_the_other_eye(&self) -> Self {
+            unreachable!("aggregation looks with one eye")
+        }
+    }
+
+    /// The summed path costs of every pixel and shift, one path after the other, in whole volumes.
+    fn plainly(given: &Given, guide: &Guide, penalty: &StepPenalty) -> Vec<i32> {
+        let (width, height, shifts) = (given.width, guide.height(), given.shifts);
+        let mut sums = vec![0; width * height * shifts];
+        for (step_x, step_y) in [(1, 0), (-1, 0), (0, 1), (0, -1)] {
+            let mut path = vec![0; sums.len()];
+            let columns: Vec<usize> = if step_x < 0 {
+                (0..width).rev().collect()
+            } else {
+                (0..width).collect()
+            };
+            let rows: Vec<usize> = if step_y < 0 {
+                (0..height).rev().collect()
+            } else {
+                (0..height).collect()
+            };
+            for &y in &rows {
+                for &x in &columns {
+                    let here = y * width + x;
+                    let before = x
+                        .checked_add_signed(-step_x)
+                        .filter(|x| *x < width)
+                        .zip(y.checked_add_signed(-step_y).filter(|y| *y < height))
+                        .map(|(x, y)| y * width + x);
+                    for d in 0..shifts {
+                        let cost = i32::from(given.costs[here * shifts + d]);
+                        let paid = before.map_or(0, |before| {
+                            let run: &[i32] = &path[before * shifts..(before + 1) * shifts];
+                            let least = *run.iter().min().unwrap();
+                            let large = i32::from(penalty.large(guide.step(before, here)));
+                            let candidates = (0..shifts).map(|other| match d.abs_diff(other) {
+                                0 => run[other],
+                                1 => run[other] + i32::from(penalty.small),
+                                _ => run[other] + large,
+                            });
+                            // A step of one pixel may also be paid as a large one.
+                            candidates.min().unwrap().min(least + large) - least
+                        });
+                        path[here * shifts + d] = cost + paid;
+                    }
+                }
+            }
+            for (sum, path) in sums.iter_mut().zip(path) {
+                *sum += path;
+            }
+        }
+        sums
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(24))]
+
+        /// Bands, strips and vectors give the winners of the plain sums, and tell the other eye the
+        /// same.
+        #[test]
+        fn fast_and_plain_agree(
+            width in 1usize..90, height in 1usize..40, shifts in 1usize..40, least in -30i32..3, seed: u64,
+        ) {
+            let mut state = seed | 1;
+            let mut random = move |below: u64| {
+                state ^= state << 13;
+                state ^= state >> 7;
+                state ^= state << 17;
+                (state >> 20) % below
+            };
+            let costs = (0..width * height * shifts).map(|_| random(128) as u8).collect();
+            let given = Given { width, shifts, costs };
+            let luma = Array2::from_shape_simple_fn((height, width), || random(9) as f32 / 255.0);
+            let luma = LumaImage::new(luma).unwrap();
+            let guide = Guide::of(&EyeView::grey(&luma));
+            let penalty = StepPenalty::new(&DenseParams::best());
+            let search = SearchRange::new(least, least + shifts as i32 - 1).unwrap();
+            let ground = Ground { cost: &given, guide: &guide, penalty: &penalty, shifts };
+            let winners = aggregate(ground, search, true);
+            let plain = plainly(&given, &guide, &penalty);
+            let other = winners.other_dx.unwrap();
+            for y in 0..height {
+                for x in 0..width {
+                    let sums = &plain[(y * width + x) * shifts..][..shifts];
+                    let best = (0..shifts).min_by_key(|d| sums[*d]).unwrap();
+                    let found = winners.dx[[y, x]] - least as f32;
+                    prop_assert!((found - best as f32).abs() <= 0.5);
+                    let second = (0..shifts).filter(|d| d.abs_diff(best) > 1).map(|d| sums[d]).min();
+                    if let Some(second) = second {
+                        prop_assert_eq!(i32::from(winners.margin[[y, x]]), second - sums[best]);
+                    }
+                    // The pixel x of the other eye is seen from x - dx.
+                    let told = (0..shifts).filter_map(|d| {
+                        let from = usize::try_from(x as i32 - least - d as i32).ok()?;
+                        let sums = plain.get((y * width + from) * shifts + d)?;
+                        (from < width).then_some((*sums, d))
+                    });
+                    match told.map(|(sum, _)| sum).min() {
+                        None => prop_assert!(other[[y, x]].is_nan()),
+                        Some(least_sum) => {
+                            let d = (other[[y, x]] - least as f32) as usize;
+                            let from = (x as i32 - least - d as i32) as usize;
+                            prop_assert_eq!(plain[(y * width + from) * shifts + d], least_sum);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

@@ -74,17 +74,17 @@ impl DenseParams {
     pub const fn best() -> Self {
         Self {
             cost: Cost::PhaseAgreement,
-            silent_energy: 1e-6,
-            small_step: 0.6,
-            large_step: 6.4,
-            edge_softness: 0.05,
+            silent_energy: 3e-7,
+            small_step: 1.0,
+            large_step: 16.0,
+            edge_softness: 0.03,
             look_back: LookBack::OwnPaths,
             left_right_px: 1.0,
-            least_patch: 60,
+            least_patch: 30,
             votes: 3,
             median: true,
             acuity: Acuity::TwoBanks,
-            surface_radius: 9,
+            surface_radius: 13,
         }
     }
 

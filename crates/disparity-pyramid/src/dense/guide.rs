@@ -59,14 +59,18 @@ impl Guide {
         &self.channels[channel]
     }
 
-    /// How far two pixels' colours lie apart, in steps of 8 bits: the largest difference of a
-    /// channel.
+    /// How far two pixels' colours lie apart, in steps of 8 bits: the mean over the channels, which
+    /// the noise of one does not carry.
     #[inline(always)]
     pub(crate) fn step(&self, one: usize, other: usize) -> u8 {
-        let steps = self
-            .channels
-            .iter()
-            .map(|plane| plane[one].abs_diff(plane[other]));
-        steps.max().unwrap_or(0)
+        let steps = |plane: &Vec<u8>| plane[one].abs_diff(plane[other]);
+        match &self.channels[..] {
+            [grey] => steps(grey),
+            channels => {
+                let sum: usize = channels.iter().map(|plane| usize::from(steps(plane))).sum();
+                // A mean of bytes is one.
+                (sum / channels.len().max(1)) as u8
+            }
+        }
     }
 }
