@@ -34,6 +34,7 @@ mod speckles;
 mod step_penalty;
 mod strip;
 mod voting;
+mod wide;
 mod winner;
 
 pub use dense_matcher::{BadDense, DenseMatcher, WrongView};

@@ -1,11 +1,12 @@
 use ndarray::{Array2, ArrayViewMut2, Axis, s};
-use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 use crate::SearchRange;
+use crate::dense::padding::Padding;
 use crate::dense::path_step::{FAR, path_step};
 use crate::dense::pixel_cost::{LANES, PixelCost};
 use crate::dense::strip::{BAND, Ground, STRIP, Strip};
+use crate::dense::wide::{Wide, WideWork, widest};
 use crate::dense::winner::{NO_SHIFT, winner};
 
 /// Rows that one thread takes at a time.
@@ -42,7 +43,7 @@ pub(crate) fn aggregate<C: PixelCost>(
     let mut dx = Array2::zeros((height, width));
     let mut margin = Array2::zeros((height, width));
     let mut other_dx = other.then(|| Array2::zeros((height, width)));
-    let mut spaces = vec![RowSpace::new(width, ground.shifts); BAND / ROWS_A_JOB];
+    let mut spaces = vec![RowSpace::new(width, search); BAND / ROWS_A_JOB];
     for top in (0..height).step_by(BAND) {
         strips
             .par_iter_mut()
@@ -70,8 +71,7 @@ pub(crate) fn aggregate<C: PixelCost>(
             other_dx: others.next(),
         });
         let jobs: Vec<_> = jobs.collect();
-        jobs.into_par_iter()
-            .for_each(|rows| Arch::new().dispatch(rows));
+        jobs.into_par_iter().for_each(widest);
     }
     Winners {
         dx,
@@ -94,11 +94,14 @@ struct RowSpace {
     /// The least sum that leads to each pixel of the other eye, and its shift's place.
     other_least: Vec<i16>,
     other_place: Vec<i16>,
+    /// How the two above are padded.
+    padding: Padding,
 }
 
 impl RowSpace {
-    fn new(width: usize, shifts: usize) -> Self {
-        let places = shifts.next_multiple_of(LANES);
+    fn new(width: usize, search: SearchRange) -> Self {
+        let places = search.shifts().next_multiple_of(LANES);
+        let padding = Padding::of(search);
         Self {
             places,
             sums: vec![0; width * places],
@@ -106,8 +109,9 @@ impl RowSpace {
             now: vec![FAR; places + 2],
             total: vec![0; places],
             large: vec![0; width],
-            other_least: vec![0; width],
-            other_place: vec![0; width],
+            other_least: vec![0; padding.stride(width)],
+            other_place: vec![0; padding.stride(width)],
+            padding,
         }
     }
 
@@ -133,20 +137,18 @@ struct Rows<'a, C> {
     other_dx: Option<ArrayViewMut2<'a, f32>>,
 }
 
-impl<C: PixelCost> NullaryFnOnce for Rows<'_, C> {
-    type Output = ();
-
+impl<C: PixelCost> WideWork for Rows<'_, C> {
     #[inline(always)]
-    fn call(mut self) {
+    fn work<W: Wide>(mut self, wide: W) {
         for row in 0..self.dx.nrows() {
-            self.row(row);
+            self.row(wide, row);
         }
     }
 }
 
 impl<C: PixelCost> Rows<'_, C> {
     #[inline(always)]
-    fn row(&mut self, row: usize) {
+    fn row<W: Wide>(&mut self, wide: W, row: usize) {
         let Self {
             ground,
             strips,
@@ -181,11 +183,9 @@ impl<C: PixelCost> Rows<'_, C> {
                 let x = strip.start() + column;
                 let penalties = (small, space.large[x]);
                 let (before, now) = (&space.before, &mut space.now);
-                least = path_step(before, least, penalties, costs, shifts, now);
+                least = path_step(wide, before, least, penalties, costs, shifts, now);
                 let sums = &mut space.sums[x * places..(x + 1) * places];
-                for ((sum, now), vertical) in sums.iter_mut().zip(&now[1..]).zip(vertical) {
-                    *sum = now + vertical;
-                }
+                add(wide, &now[1..=places], vertical, sums);
                 std::mem::swap(&mut space.before, &mut space.now);
             }
         }
@@ -199,16 +199,14 @@ impl<C: PixelCost> Rows<'_, C> {
             let costs = &strip.row(band_row).0[column * places..(column + 1) * places];
             let large = space.large.get(x + 1).copied().unwrap_or(0);
             let (before, now) = (&space.before, &mut space.now);
-            least = path_step(before, least, (small, large), costs, shifts, now);
+            least = path_step(wide, before, least, (small, large), costs, shifts, now);
             let sums = &space.sums[x * places..(x + 1) * places];
-            for ((total, now), sum) in space.total.iter_mut().zip(&now[1..]).zip(sums) {
-                *total = now + sum;
-            }
+            add(wide, &now[1..=places], sums, &mut space.total);
             space.total[shifts..].fill(NO_SHIFT);
             if other_dx.is_some() {
-                space.tell_the_other(x, search);
+                space.tell_the_other(wide, x);
             }
-            let found = winner(&mut space.total);
+            let found = winner(wide, &mut space.total);
             let whole = search.least_dx() + found.place as i32;
             dx[x] = whole as f32 + found.beyond;
             margin[x] = found.margin;
@@ -217,7 +215,10 @@ impl<C: PixelCost> Rows<'_, C> {
         let Some(other_dx) = other_dx else {
             return;
         };
-        let told = space.other_least.iter().zip(&space.other_place);
+        let own = space.padding.place(0)..space.padding.place(width);
+        let told = space.other_least[own.clone()]
+            .iter()
+            .zip(&space.other_place[own]);
         for (dx, (least, place)) in other_dx.row_mut(row).iter_mut().zip(told) {
             *dx = if *least < NO_SHIFT {
                 (search.least_dx() + i32::from(*place)) as f32
@@ -229,25 +230,37 @@ impl<C: PixelCost> Rows<'_, C> {
 }
 
 impl RowSpace {
-    /// Offers the sums of pixel `x` to the pixels of the other eye that its shifts lead to.
+    /// Offers the sums of pixel `x` to the pixels of the other eye that its shifts lead to, and to
+    /// the padding where they lead out of view.
     #[inline(always)]
-    fn tell_the_other(&mut self, x: usize, search: SearchRange) {
-        let width = self.other_least.len() as i32;
-        let first = x as i32 + search.least_dx();
-        let begin = (-first).clamp(0, search.shifts() as i32);
-        let end = (width - first).clamp(begin, search.shifts() as i32);
-        let seen = (first + begin).max(0) as usize..(first + end).max(0) as usize;
-        let offers = &self.total[begin as usize..end as usize];
-        if offers.is_empty() {
-            return;
+    fn tell_the_other<W: Wide>(&mut self, wide: W, x: usize) {
+        let first = self.padding.first(x);
+        let seen = first..first + self.places;
+        let least = self.other_least[seen.clone()].as_chunks_mut::<LANES>().0;
+        let best = self.other_place[seen].as_chunks_mut::<LANES>().0;
+        let mut place = wide.load(&FIRST_PLACES);
+        let offers = self.total.as_chunks::<LANES>().0;
+        for ((offer, least), best) in offers.iter().zip(least).zip(best) {
+            let (offer, held) = (wide.load(offer), wide.load(least));
+            let chosen = wide.if_less(offer, held, place, wide.load(best));
+            wide.store(chosen, best);
+            wide.store(wide.min(offer, held), least);
+            place = wide.add(place, wide.splat(LANES as i16));
         }
-        let least = self.other_least[seen.clone()].iter_mut();
-        let best = least.zip(&mut self.other_place[seen]);
-        for ((place, offer), (least, best)) in (begin as i16..).zip(offers).zip(best) {
-            let better = offer < least;
-            *best = if better { place } else { *best };
-            *least = if better { *offer } else { *least };
-        }
+    }
+}
+
+/// The first places of a run.
+const FIRST_PLACES: [i16; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
+
+/// The sums of two runs.
+#[inline(always)]
+fn add<W: Wide>(wide: W, one: &[i16], other: &[i16], sums: &mut [i16]) {
+    let one = one.as_chunks::<LANES>().0;
+    let other = other.as_chunks::<LANES>().0;
+    let sums = sums.as_chunks_mut::<LANES>().0;
+    for ((one, other), sum) in one.iter().zip(other).zip(sums) {
+        wide.store(wide.add(wide.load(one), wide.load(other)), sum);
     }
 }
 

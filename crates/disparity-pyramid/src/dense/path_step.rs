@@ -1,4 +1,5 @@
 use crate::dense::pixel_cost::LANES;
+use crate::dense::wide::Wide;
 
 /// More than any path costs, and little enough that four paths and a penalty add up.
 pub(crate) const FAR: i16 = i16::MAX / 8;
@@ -13,7 +14,8 @@ pub(crate) const MOST_PENALTY: f32 = 50.0;
 /// `least` is the least cost of `before`. Returns the least of `now`. Places from `shifts` on are
 /// no shifts, and stay far.
 #[inline(always)]
-pub(crate) fn path_step(
+pub(crate) fn path_step<W: Wide>(
+    wide: W,
     before: &[i16],
     least: i16,
     (small, large): (i16, i16),
@@ -27,18 +29,17 @@ pub(crate) fn path_step(
     let above = before[2..places + 2].as_chunks::<LANES>().0;
     let costs = costs.as_chunks::<LANES>().0;
     let next = now[1..places + 1].as_chunks_mut::<LANES>().0;
-    let jump = least + large;
-    let mut lowest = [FAR; LANES];
+    let (base, jump) = (wide.splat(least), wide.splat(least + large));
+    let small = wide.splat(small);
+    let mut lowest = wide.splat(FAR);
     let runs = below.iter().zip(same).zip(above).zip(costs).zip(next);
     for ((((below, same), above), costs), next) in runs {
-        for lane in 0..LANES {
-            let beside = below[lane].min(above[lane]) + small;
-            let cheapest = same[lane].min(beside).min(jump);
-            let cost = cheapest - least + i16::from(costs[lane]);
-            next[lane] = cost;
-            lowest[lane] = lowest[lane].min(cost);
-        }
+        let beside = wide.add(wide.min(wide.load(below), wide.load(above)), small);
+        let cheapest = wide.min(wide.min(wide.load(same), beside), jump);
+        let cost = wide.add(wide.sub(cheapest, base), wide.load_bytes(costs));
+        wide.store(cost, next);
+        lowest = wide.min(lowest, cost);
     }
     now[shifts + 1..].fill(FAR);
-    lowest.into_iter().fold(FAR, i16::min)
+    wide.least(lowest)
 }

@@ -1,9 +1,8 @@
-use pulp::{Arch, NullaryFnOnce};
-
 use crate::dense::guide::Guide;
 use crate::dense::path_step::{FAR, path_step};
 use crate::dense::pixel_cost::{LANES, PixelCost};
 use crate::dense::step_penalty::StepPenalty;
+use crate::dense::wide::{Wide, WideWork, widest};
 
 /// Columns of a strip: their path costs stay in the innermost cache for any usual search.
 pub(crate) const STRIP: usize = 64;
@@ -96,13 +95,13 @@ impl Strip {
 
     /// Walks the upward paths from the last row to the first band and leaves the marks.
     pub(crate) fn mark<C: PixelCost>(&mut self, ground: Ground<'_, C>) {
-        Arch::new().dispatch(Mark(self, ground));
+        widest(Mark(self, ground));
     }
 
     /// Fills the band that begins at row `top` with its costs and the sums of its vertical paths.
     /// Bands come in order, from the first on.
     pub(crate) fn fill_band<C: PixelCost>(&mut self, ground: Ground<'_, C>, top: usize) {
-        Arch::new().dispatch(FillBand(self, ground, top));
+        widest(FillBand(self, ground, top));
     }
 
     /// The first column.
@@ -120,11 +119,9 @@ impl Strip {
 
 struct Mark<'a, C>(&'a mut Strip, Ground<'a, C>);
 
-impl<C: PixelCost> NullaryFnOnce for Mark<'_, C> {
-    type Output = ();
-
+impl<C: PixelCost> WideWork for Mark<'_, C> {
     #[inline(always)]
-    fn call(self) {
+    fn work<W: Wide>(self, wide: W) {
         let Self(strip, ground) = self;
         let height = ground.guide.height();
         let bands = height.div_ceil(BAND);
@@ -135,7 +132,7 @@ impl<C: PixelCost> NullaryFnOnce for Mark<'_, C> {
             for column in 0..strip.columns {
                 cost_run(&ground, strip.start + column, y, &mut costs);
                 let large = below(&ground, strip.start + column, y);
-                advance(&up, &mut strip.spare, column, large, &ground, &costs);
+                advance(wide, &up, &mut strip.spare, column, large, &ground, &costs);
             }
             std::mem::swap(&mut up, &mut strip.spare);
             if y.is_multiple_of(BAND) {
@@ -150,11 +147,9 @@ impl<C: PixelCost> NullaryFnOnce for Mark<'_, C> {
 
 struct FillBand<'a, C>(&'a mut Strip, Ground<'a, C>, usize);
 
-impl<C: PixelCost> NullaryFnOnce for FillBand<'_, C> {
-    type Output = ();
-
+impl<C: PixelCost> WideWork for FillBand<'_, C> {
     #[inline(always)]
-    fn call(self) {
+    fn work<W: Wide>(self, wide: W) {
         let Self(strip, ground, top) = self;
         let Strip {
             start,
@@ -178,7 +173,7 @@ impl<C: PixelCost> NullaryFnOnce for FillBand<'_, C> {
                 let costs = &mut costs[run(row, column)];
                 cost_run(&ground, start + column, top + row, costs);
                 let large = below(&ground, start + column, top + row);
-                let now = advance(up, spare, column, large, &ground, costs);
+                let now = advance(wide, up, spare, column, large, &ground, costs);
                 vertical[run(row, column)].copy_from_slice(now);
             }
             std::mem::swap(up, spare);
@@ -195,9 +190,10 @@ impl<C: PixelCost> NullaryFnOnce for FillBand<'_, C> {
                     Some(above) => below(&ground, start + column, above),
                     None => 0,
                 };
-                let now = advance(down, spare, column, large, &ground, costs);
-                for (sum, cost) in vertical[run(row, column)].iter_mut().zip(now) {
-                    *sum += *cost;
+                let now = advance(wide, down, spare, column, large, &ground, costs);
+                let sums = vertical[run(row, column)].as_chunks_mut::<LANES>().0;
+                for (sum, cost) in sums.iter_mut().zip(now.as_chunks::<LANES>().0) {
+                    wide.store(wide.add(wide.load(sum), wide.load(cost)), sum);
                 }
             }
             std::mem::swap(down, spare);
@@ -225,7 +221,8 @@ fn below<C>(ground: &Ground<'_, C>, x: usize, y: usize) -> i16 {
 
 /// One step of the path in a column, from `before` to `now`.
 #[inline(always)]
-fn advance<'a, C>(
+fn advance<'a, C, W: Wide>(
+    wide: W,
     before: &Column,
     now: &'a mut Column,
     column: usize,
@@ -237,6 +234,7 @@ fn advance<'a, C>(
     let span = column * length..(column + 1) * length;
     let run = &mut now.runs[span.clone()];
     now.least[column] = path_step(
+        wide,
         &before.runs[span],
         before.least[column],
         (ground.penalty.small, large),

@@ -1,4 +1,5 @@
 use crate::dense::pixel_cost::LANES;
+use crate::dense::wide::Wide;
 
 /// The shift whose paths cost least at a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,9 +18,9 @@ pub(crate) const NO_SHIFT: i16 = i16::MAX;
 /// The winner among the summed path costs of a pixel, the first of equals. `sums` is a whole number
 /// of vectors, [`NO_SHIFT`] beyond the last shift; it is used up.
 #[inline(always)]
-pub(crate) fn winner(sums: &mut [i16]) -> Winner {
-    let least = least(sums);
-    let place = first_of(sums, least);
+pub(crate) fn winner<W: Wide>(wide: W, sums: &mut [i16]) -> Winner {
+    let least = least(wide, sums);
+    let place = first_of(wide, sums, least);
     let beside = |place: Option<usize>| {
         let cost = place.and_then(|place| sums.get(place)).copied();
         cost.filter(|cost| *cost < NO_SHIFT)
@@ -42,28 +43,24 @@ pub(crate) fn winner(sums: &mut [i16]) -> Winner {
     Winner {
         place,
         beyond,
-        margin: self::least(sums) - least,
+        margin: self::least(wide, sums) - least,
     }
 }
 
 #[inline(always)]
-fn least(sums: &[i16]) -> i16 {
-    let mut lowest = [i16::MAX; LANES];
-    for block in sums.as_chunks::<LANES>().0 {
-        for lane in 0..LANES {
-            lowest[lane] = lowest[lane].min(block[lane]);
-        }
+fn least<W: Wide>(wide: W, sums: &[i16]) -> i16 {
+    let mut lowest = wide.splat(i16::MAX);
+    for run in sums.as_chunks::<LANES>().0 {
+        lowest = wide.min(lowest, wide.load(run));
     }
-    lowest.into_iter().fold(i16::MAX, i16::min)
+    wide.least(lowest)
 }
 
 /// The first place that holds a value which is there.
 #[inline(always)]
-fn first_of(sums: &[i16], value: i16) -> usize {
+fn first_of<W: Wide>(wide: W, sums: &[i16], value: i16) -> usize {
     for (block, run) in sums.as_chunks::<LANES>().0.iter().enumerate() {
-        // A whole vector is asked at once; only the one that answers is searched.
-        if run.iter().fold(false, |found, sum| found | (*sum == value)) {
-            let lane = run.iter().position(|sum| *sum == value).unwrap_or(0);
+        if let Some(lane) = wide.first_equal(wide.load(run), value) {
             return block * LANES + lane;
         }
     }
@@ -75,6 +72,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::dense::wide::Plain;
 
     proptest! {
         /// The winner is the first of the least, its margin the distance to the least that is no
@@ -83,7 +81,7 @@ mod tests {
         fn the_least_wins(costs in prop::collection::vec(0i16..50, 1..80)) {
             let mut sums = costs.clone();
             sums.resize(costs.len().next_multiple_of(LANES), NO_SHIFT);
-            let found = winner(&mut sums);
+            let found = winner(Plain, &mut sums);
             let least = *costs.iter().min().unwrap();
             let place = costs.iter().position(|cost| *cost == least).unwrap();
             prop_assert_eq!(found.place, place);
