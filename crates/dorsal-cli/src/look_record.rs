@@ -78,6 +78,7 @@ struct Matching {
 struct DenseMatching {
     cost: &'static str,
     silent_energy: f32,
+    colour: bool,
     small_step: f32,
     large_step: f32,
     edge_softness: f32,
@@ -202,6 +203,7 @@ impl DenseMatching {
                 Cost::PhaseQuadrants => "phase quadrants",
             },
             silent_energy: params.silent_energy,
+            colour: params.colour,
             small_step: params.small_step,
             large_step: params.large_step,
             edge_softness: params.edge_softness,

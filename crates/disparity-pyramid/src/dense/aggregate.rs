@@ -166,9 +166,9 @@ impl<C: PixelCost> Rows<'_, C> {
         let mut dx = dx.row_mut(row);
         let mut margin = margin.row_mut(row);
         let (width, places, shifts) = (dx.len(), space.places, ground.shifts);
-        for x in 1..width {
-            let here = y * width + x;
-            space.large[x] = ground.penalty.large(ground.guide.step(here - 1, here));
+        let steps = ground.guide.beside(y);
+        for (large, step) in space.large[1..].iter_mut().zip(steps) {
+            *large = ground.penalty.large(*step);
         }
         let small = ground.penalty.small;
 
@@ -283,7 +283,7 @@ mod tests {
     }
 
     impl PixelCost for Given {
-        fn costs(&self, x: usize, y: usize, costs: &mut [u8]) {
+        fn costs<W: Wide>(&self, _: W, x: usize, y: usize, costs: &mut [u8]) {
             let start = (y * self.width + x) * self.shifts;
             costs[..self.shifts].copy_from_slice(&self.costs[start..start + self.shifts]);
         }
@@ -362,7 +362,7 @@ mod tests {
             let given = Given { width, shifts, costs };
             let luma = Array2::from_shape_simple_fn((height, width), || random(9) as f32 / 255.0);
             let luma = LumaImage::new(luma).unwrap();
-            let guide = Guide::of(&EyeView::grey(&luma));
+            let guide = Guide::of(&EyeView::grey(&luma), true);
             let penalty = StepPenalty::new(&DenseParams::best());
             let search = SearchRange::new(least, least + shifts as i32 - 1).unwrap();
             let ground = Ground { cost: &given, guide: &guide, penalty: &penalty, shifts };

@@ -129,7 +129,7 @@ impl DenseMatcher {
     ) -> Result<DisparityField, WrongView> {
         self.check(eyes)?;
         let search = search.within(self.size.width);
-        let guides = eyes.map(|eye| Guide::of(&eye));
+        let guides = eyes.map(|eye| Guide::of(&eye, self.params.colour));
         let responses = eyes.try_map(|eye| respond(&self.cost_bank, &eye))?;
         let planes = responses.as_ref().map(finest);
         // The responses themselves are large: only hyperacuity may need them once more.

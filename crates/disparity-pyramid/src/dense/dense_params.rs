@@ -11,6 +11,8 @@ pub struct DenseParams {
     /// Energy (squared modulus, for images in `[0, 1]`) at which a response counts half: contrast
     /// below it fades out of the cost. `1e-3` ruins weak texture.
     pub silent_energy: f32,
+    /// Whether surfaces may end where the colour changes, or only where the luma does.
+    pub colour: bool,
     /// What a path pays for a step of one pixel in shift: more makes slanted surfaces smoother, and
     /// in the end flat.
     pub small_step: f32,
@@ -75,6 +77,7 @@ impl DenseParams {
         Self {
             cost: Cost::PhaseAgreement,
             silent_energy: 3e-7,
+            colour: true,
             small_step: 1.0,
             large_step: 16.0,
             edge_softness: 0.03,
@@ -94,6 +97,7 @@ impl DenseParams {
     pub const fn fast() -> Self {
         Self {
             cost: Cost::PhaseQuadrants,
+            colour: false,
             look_back: LookBack::SamePaths,
             votes: 0,
             acuity: Acuity::CostBank,

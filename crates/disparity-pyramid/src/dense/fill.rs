@@ -26,42 +26,42 @@ const DIRECTIONS: [(isize, isize); 16] = [
 /// the median of the nearest known shifts around it, `otherwise` if nothing at all is known there.
 pub(crate) fn fill(field: &PartialField, otherwise: f32) -> Array2<f32> {
     let mut filled = field.dx.clone();
-    Zip::indexed(&mut filled)
-        .and(&field.known)
-        .and(&field.validity)
-        .par_for_each(|(y, x), dx, known, validity| {
-            if !known {
-                let behind = is_hidden(*validity)
-                    .then(|| field.background(x, y))
-                    .flatten();
+    Zip::indexed(filled.rows_mut()).par_for_each(|y, mut filled| {
+        let behind = field.backgrounds(y);
+        for (x, dx) in filled.iter_mut().enumerate() {
+            if !field.known[[y, x]] {
+                let behind = behind[x].filter(|_| is_hidden(field.validity[[y, x]]));
                 *dx = behind
                     .or_else(|| median_around(field, x, y))
                     .unwrap_or(otherwise);
             }
-        });
+        }
+    });
     filled
 }
 
 /// The median of the nearest known shifts in sixteen directions; of two in the middle the farther.
 fn median_around(field: &PartialField, x: usize, y: usize) -> Option<f32> {
+    let (height, width) = field.dx.dim();
+    let (Some(dx), Some(known)) = (field.dx.as_slice(), field.known.as_slice()) else {
+        unreachable!("planes are made in row-major order")
+    };
+    let here = y * width + x;
     let mut found = [0.0; DIRECTIONS.len()];
     let mut count = 0;
     for (step_x, step_y) in DIRECTIONS {
-        let mut at = (y, x);
-        loop {
-            at = (
-                at.0.wrapping_add_signed(step_y),
-                at.1.wrapping_add_signed(step_x),
-            );
-            match field.known.get(at) {
-                None => break,
-                Some(false) => {}
-                Some(true) => {
-                    found[count] = field.dx[at];
-                    count += 1;
-                    break;
-                }
-            }
+        // Steps that stay within the image.
+        let within = |at: usize, length: usize, step: isize| match step {
+            0 => usize::MAX,
+            1.. => (length - 1 - at) / step.unsigned_abs(),
+            _ => at / step.unsigned_abs(),
+        };
+        let steps = within(x, width, step_x).min(within(y, height, step_y));
+        let stride = step_y * width as isize + step_x;
+        let places = (1..=steps).map(|step| here.wrapping_add_signed(stride * step as isize));
+        if let Some(place) = places.into_iter().find(|place| known[*place]) {
+            found[count] = dx[place];
+            count += 1;
         }
     }
     let found = &mut found[..count];

@@ -19,9 +19,6 @@ const LEAST_COHERENCE: f32 = 0.5;
 /// sees both sides, and its phase is neither's.
 const MOST_RANGE_PX: f32 = 1.5;
 
-/// Orientations that are treated side by side.
-const LANES: usize = 8;
-
 /// Most banks that are asked together.
 pub(crate) const MOST_BANKS: usize = 2;
 
@@ -53,12 +50,18 @@ pub(crate) fn sharpen(
     rows.zip(coherences)
         .enumerate()
         .for_each(|(y, (mut dx, mut coherence))| {
-            Arch::new().dispatch(Row {
+            let row = Row {
                 bands,
                 y,
                 dx: dx.iter_mut().zip(coherence.iter_mut()),
                 gates: ranges.row(y).into_iter().zip(steady.row(y)),
-            });
+            };
+            // Loops over orientations have a known length: those of the cost, or the paper's.
+            if bands.iter().all(|band| band.waves.len() <= 4) {
+                Arch::new().dispatch(InLanes::<4, _>(row));
+            } else {
+                Arch::new().dispatch(InLanes::<8, _>(row));
+            }
         });
     coherence
 }
@@ -70,7 +73,10 @@ struct Row<'a, I, J> {
     gates: J,
 }
 
-impl<'a, I, J> NullaryFnOnce for Row<'_, I, J>
+/// One row with the orientations in `LANES` lanes.
+struct InLanes<const LANES: usize, R>(R);
+
+impl<'a, const LANES: usize, I, J> NullaryFnOnce for InLanes<LANES, Row<'_, I, J>>
 where
     I: Iterator<Item = (&'a mut f32, &'a mut f32)>,
     J: Iterator<Item = (&'a f32, &'a bool)>,
@@ -79,8 +85,14 @@ where
 
     #[inline(always)]
     fn call(self) {
-        for (x, ((dx, coherence), (range, steady))) in self.dx.zip(self.gates).enumerate() {
-            let (step, agreement) = residual(self.bands, x, self.y, *dx);
+        let Row {
+            bands,
+            y,
+            dx,
+            gates,
+        } = self.0;
+        for (x, ((dx, coherence), (range, steady))) in dx.zip(gates).enumerate() {
+            let (step, agreement) = residual::<LANES>(bands, x, y, *dx);
             *coherence = agreement;
             let takes = *steady
                 && *range < MOST_RANGE_PX
@@ -95,8 +107,8 @@ where
 
 /// The shift that the phases at a pixel still ask for, and their agreement with it.
 #[inline(always)]
-fn residual(bands: &[Band<'_>], x: usize, y: usize, dx: f32) -> (f32, f32) {
-    let whole = dx.round();
+fn residual<const LANES: usize>(bands: &[Band<'_>], x: usize, y: usize, dx: f32) -> (f32, f32) {
+    let whole = nearest(dx);
     let seen = x as f32 + whole;
     let width = bands.first().map_or(0, |band| band.eyes.right.size().width);
     if !(seen >= 0.0 && seen < width as f32) {
@@ -143,6 +155,13 @@ fn residual(bands: &[Band<'_>], x: usize, y: usize, dx: f32) -> (f32, f32) {
         }
     }
     (step, agreement / heard)
+}
+
+/// The nearest whole number, without a call: adding and taking away 1.5 * 2^23 rounds.
+#[inline(always)]
+fn nearest(value: f32) -> f32 {
+    const ROUNDER: f32 = 12_582_912.0;
+    (value + ROUNDER) - ROUNDER
 }
 
 /// The cosine of an angle within a turn of 0, to 2e-3: as close as an agreement needs to be known,

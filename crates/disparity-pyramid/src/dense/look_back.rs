@@ -1,4 +1,4 @@
-use ndarray::{Array2, ArrayView2, Zip};
+use ndarray::{Array2, ArrayView1, ArrayView2, Zip};
 
 use crate::{SearchRange, Validity};
 
@@ -12,30 +12,20 @@ pub(crate) fn look_back(
     tolerance_px: f32,
     search: SearchRange,
 ) -> Array2<Validity> {
-    // Half a pixel of rounding, and a little.
-    const AGREES_PX: f32 = 0.6;
     let width = dx.ncols();
     let mut verdicts = Array2::from_elem(dx.dim(), Validity::Valid);
     Zip::from(verdicts.rows_mut())
         .and(dx.rows())
         .and(other_dx.rows())
         .par_for_each(|mut verdicts, dx, other_dx| {
+            let claimed = claimed(other_dx, search);
             for (x, (verdict, &dx)) in verdicts.iter_mut().zip(dx).enumerate() {
                 let seen = (x as f32 + dx).round();
-                if !(seen >= 0.0 && seen < width as f32) {
-                    *verdict = Validity::OutOfView;
-                    continue;
-                }
-                if (dx - other_dx[seen as usize]).abs() <= tolerance_px {
-                    continue;
-                }
-                let least = (x as i64 + i64::from(search.least_dx())).max(0);
-                let most = (x as i64 + i64::from(search.most_dx())).min(width as i64 - 1);
-                let missed = (least..=most).any(|seen| {
-                    let dx = (seen - x as i64) as f32;
-                    (other_dx[seen as usize] - dx).abs() < AGREES_PX
-                });
-                *verdict = if missed {
+                *verdict = if !(seen >= 0.0 && seen < width as f32) {
+                    Validity::OutOfView
+                } else if (dx - other_dx[seen as usize]).abs() <= tolerance_px {
+                    Validity::Valid
+                } else if claimed[x] {
                     Validity::Inconsistent
                 } else {
                     Validity::Occluded
@@ -43,4 +33,25 @@ pub(crate) fn look_back(
             }
         });
     verdicts
+}
+
+/// Which pixels of a row some pixel of the other eye says it sees.
+fn claimed(other_dx: ArrayView1<'_, f32>, search: SearchRange) -> Vec<bool> {
+    // Half a pixel of rounding, and a little.
+    const AGREES_PX: f32 = 0.6;
+    let mut claimed = vec![false; other_dx.len()];
+    for (seen, dx) in other_dx.iter().enumerate() {
+        // An eye that says nothing, NaN, claims nothing: no comparison below holds.
+        let from = (seen as f32 - dx).round();
+        for x in [from - 1.0, from, from + 1.0] {
+            let shift = seen as f32 - x;
+            let tried = (search.least_dx() as f32..=search.most_dx() as f32).contains(&shift);
+            if tried && (shift - dx).abs() < AGREES_PX && x >= 0.0 {
+                if let Some(claimed) = claimed.get_mut(x as usize) {
+                    *claimed = true;
+                }
+            }
+        }
+    }
+    claimed
 }

@@ -22,16 +22,27 @@ impl PartialField {
         }
     }
 
-    /// The farther of the nearest known shifts to the left and right on the row: what lies behind.
-    /// `None` if the row knows nothing.
-    pub(crate) fn background(&self, x: usize, y: usize) -> Option<f32> {
+    /// For every pixel of a row the farther of the nearest known shifts to its left and right: what
+    /// lies behind it. `None` if the row knows nothing but the pixel itself.
+    pub(crate) fn backgrounds(&self, y: usize) -> Vec<Option<f32>> {
         let (dx, known) = (self.dx.row(y), self.known.row(y));
-        let left = (0..x).rev().find(|&x| known[x]);
-        let right = (x + 1..dx.len()).find(|&x| known[x]);
-        left.into_iter()
-            .chain(right)
-            .map(|x| dx[x])
-            .reduce(f32::max)
+        let width = dx.len();
+        let mut behind = vec![None; width];
+        let mut nearest = None;
+        for x in 0..width {
+            behind[x] = nearest;
+            if known[x] {
+                nearest = Some(dx[x]);
+            }
+        }
+        nearest = None;
+        for x in (0..width).rev() {
+            behind[x] = behind[x].into_iter().chain(nearest).reduce(f32::max);
+            if known[x] {
+                nearest = Some(dx[x]);
+            }
+        }
+        behind
     }
 }
 

@@ -4,6 +4,7 @@ use v1_gabor::{Binocular, Responses};
 use crate::SearchRange;
 use crate::dense::padding::Padding;
 use crate::dense::pixel_cost::{LANES, PixelCost};
+use crate::dense::wide::Wide;
 
 /// Orientations of the bank that the cost is taken from: more change nothing.
 pub(crate) const COST_ORIENTATIONS: usize = 4;
@@ -52,31 +53,37 @@ impl PhaseAgreement {
 
 impl PixelCost for PhaseAgreement {
     #[inline(always)]
-    fn costs(&self, x: usize, y: usize, costs: &mut [u8]) {
-        let reference = self.eyes.left.pixel(self.padding.place(x), y);
+    fn costs<W: Wide>(&self, wide: W, x: usize, y: usize, costs: &mut [u8]) {
+        let place = self.padding.place(x);
         let first = self.padding.first(x);
-        let others: [&[[i16; LANES]]; PARTS] = std::array::from_fn(|part| {
-            let run = self.eyes.right.row(y, part);
-            run[first..first + costs.len()].as_chunks().0
-        });
+        let (left, right) = (&self.eyes.left, &self.eyes.right);
+        let part = |part: usize| {
+            let run = &right.row(y, part)[first..first + costs.len()];
+            let runs = run.as_chunks::<LANES>().0;
+            (wide.splat(left.row(y, part)[place]), runs)
+        };
+        // One by one, since an array of them would live in memory.
+        let ((a, runs_a), (b, runs_b)) = (part(0), part(1));
+        let ((c, runs_c), (d, runs_d)) = (part(2), part(3));
+        let ((e, runs_e), (f, runs_f)) = (part(4), part(5));
+        let ((g, runs_g), (h, runs_h)) = (part(6), part(7));
+        let first_half = runs_a.iter().zip(runs_b).zip(runs_c).zip(runs_d);
+        let second_half = runs_e.iter().zip(runs_f).zip(runs_g).zip(runs_h);
         let blocks = costs.as_chunks_mut::<LANES>().0;
-        for part in others {
-            // Known lengths keep the loop below free of checks.
-            assert_eq!(part.len(), blocks.len());
-        }
-        for (block, costs) in blocks.iter_mut().enumerate() {
-            let mut agreement = [0i16; LANES];
-            for part in 0..PARTS {
-                let other = &others[part][block];
-                for lane in 0..LANES {
-                    let product = reference[part].wrapping_mul(other[lane]);
-                    agreement[lane] = agreement[lane].wrapping_add(product);
-                }
-            }
-            for lane in 0..LANES {
-                // From 0 to 2 in 16 bits, of which the upper 7 are kept.
-                costs[lane] = (i16::MAX.wrapping_sub(agreement[lane]) as u16 >> 9) as u8;
-            }
+        for ((one, other), costs) in first_half.zip(second_half).zip(blocks) {
+            let (((ra, rb), rc), rd) = one;
+            let (((re, rf), rg), rh) = other;
+            let four = |(a, ra), (b, rb), (c, rc), (d, rd)| {
+                let ab = wide.add(wide.mul(a, wide.load(ra)), wide.mul(b, wide.load(rb)));
+                let cd = wide.add(wide.mul(c, wide.load(rc)), wide.mul(d, wide.load(rd)));
+                wide.add(ab, cd)
+            };
+            let agreement = wide.add(
+                four((a, ra), (b, rb), (c, rc), (d, rd)),
+                four((e, re), (f, rf), (g, rg), (h, rh)),
+            );
+            // From 0 to 2 in 16 bits, of which the upper 7 are kept.
+            wide.store_upper_7(wide.sub(wide.splat(i16::MAX), agreement), costs);
         }
     }
 
@@ -89,6 +96,13 @@ impl PixelCost for PhaseAgreement {
             padding: self.padding,
         }
     }
+}
+
+/// The nearest integer to a number of at most four digits, without a call: adding 1.5 * 2^23 leaves
+/// it in the lower bits.
+#[inline(always)]
+fn nearest(value: f32) -> i16 {
+    (value + 12_582_912.0).to_bits() as i16
 }
 
 impl NormalisedResponses {
@@ -108,9 +122,8 @@ impl NormalisedResponses {
                         // Silence over silence is silence.
                         let gain = FULL / (energy + silent_energy).max(f32::MIN_POSITIVE).sqrt();
                         let place = padding.place(x);
-                        rows[q * stride + place] = (even * gain).round() as i16;
-                        rows[(COST_ORIENTATIONS + q) * stride + place] =
-                            (odd * gain).round() as i16;
+                        rows[q * stride + place] = nearest(even * gain);
+                        rows[(COST_ORIENTATIONS + q) * stride + place] = nearest(odd * gain);
                     }
                 }
                 for row in rows.chunks_mut(stride) {
@@ -124,11 +137,6 @@ impl NormalisedResponses {
     fn row(&self, y: usize, part: usize) -> &[i16] {
         let start = (y * PARTS + part) * self.stride;
         &self.parts[start..start + self.stride]
-    }
-
-    #[inline(always)]
-    fn pixel(&self, place: usize, y: usize) -> [i16; PARTS] {
-        std::array::from_fn(|part| self.parts[(y * PARTS + part) * self.stride + place])
     }
 
     fn mirrored(&self, padding: Padding) -> Self {

@@ -5,6 +5,7 @@ use crate::SearchRange;
 use crate::dense::padding::Padding;
 use crate::dense::phase_agreement::COST_ORIENTATIONS;
 use crate::dense::pixel_cost::PixelCost;
+use crate::dense::wide::Wide;
 
 /// Least amplitude of an orientation that is heard.
 const HEARD_AMPLITUDE: f32 = 1e-3;
@@ -43,7 +44,7 @@ impl PhaseQuadrants {
 
 impl PixelCost for PhaseQuadrants {
     #[inline(always)]
-    fn costs(&self, x: usize, y: usize, costs: &mut [u8]) {
+    fn costs<W: Wide>(&self, _: W, x: usize, y: usize, costs: &mut [u8]) {
         let (left, right) = (&self.eyes.left, &self.eyes.right);
         let place = y * left.stride + self.padding.place(x);
         let (quadrants, heard) = (left.quadrants[place], left.heard[place]);

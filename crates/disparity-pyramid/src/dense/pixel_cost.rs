@@ -1,3 +1,5 @@
+use crate::dense::wide::Wide;
+
 /// What one unit of cost (see [`DenseParams`](crate::DenseParams)) is in the integers of a cost.
 pub(crate) const COST_UNIT: f32 = 62.0;
 
@@ -11,7 +13,7 @@ pub(crate) const LANES: usize = 16;
 pub(crate) trait PixelCost: Sync {
     /// The costs of pixel `(x, y)` at the least shift and those after it, one for each place of
     /// `costs`; the length is a multiple of [`LANES`].
-    fn costs(&self, x: usize, y: usize, costs: &mut [u8]);
+    fn costs<W: Wide>(&self, wide: W, x: usize, y: usize, costs: &mut [u8]);
 
     /// The same cost seen from the other eye, in mirror images: what was searched to the left for
     /// is again to the left, so the range of shifts stays as it is.

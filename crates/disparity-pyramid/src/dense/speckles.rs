@@ -14,41 +14,47 @@ pub(crate) fn reject_speckles(
         return;
     }
     let (height, width) = dx.dim();
-    let mut seen = Array2::from_elem((height, width), false);
-    let mut patch: Vec<(usize, usize)> = Vec::new();
-    for y in 0..height {
-        for x in 0..width {
-            if seen[[y, x]] || !validity[[y, x]].is_valid() {
-                continue;
-            }
-            patch.clear();
-            patch.push((y, x));
-            seen[[y, x]] = true;
-            let mut next = 0;
-            while let Some(&(v, u)) = patch.get(next) {
-                next += 1;
-                let beside = [
-                    (v.wrapping_sub(1), u),
-                    (v + 1, u),
-                    (v, u.wrapping_sub(1)),
-                    (v, u + 1),
-                ];
-                for place in beside {
-                    let joins = place.0 < height
-                        && place.1 < width
-                        && !seen[place]
-                        && validity[place].is_valid()
-                        && (dx[place] - dx[[v, u]]).abs() <= STEP_PX;
-                    if joins {
-                        seen[place] = true;
-                        patch.push(place);
-                    }
+    let (Some(dx), Some(validity)) = (dx.as_slice(), validity.as_slice_mut()) else {
+        unreachable!("planes are made in row-major order")
+    };
+    let mut open: Vec<bool> = validity
+        .iter()
+        .map(|validity| validity.is_valid())
+        .collect();
+    let mut patch: Vec<usize> = Vec::new();
+    for start in 0..width * height {
+        if !open[start] {
+            continue;
+        }
+        patch.clear();
+        patch.push(start);
+        open[start] = false;
+        let mut next = 0;
+        while let Some(&here) = patch.get(next) {
+            next += 1;
+            let x = here % width;
+            let mut join = |there: usize| {
+                if open[there] && (dx[there] - dx[here]).abs() <= STEP_PX {
+                    open[there] = false;
+                    patch.push(there);
                 }
+            };
+            if x > 0 {
+                join(here - 1);
             }
-            if patch.len() < least {
-                for &place in &patch {
-                    validity[place] = Validity::Inconsistent;
-                }
+            if x + 1 < width {
+                join(here + 1);
+            }
+            if here >= width {
+                join(here - width);
+            }
+            if here + width < width * height {
+                join(here + width);
+            }
+        }
+        if patch.len() < least {
+            for &place in &patch {
+                validity[place] = Validity::Inconsistent;
             }
         }
     }

@@ -130,7 +130,7 @@ impl<C: PixelCost> WideWork for Mark<'_, C> {
         let mut costs = vec![0; strip.places];
         for y in (BAND..height).rev() {
             for column in 0..strip.columns {
-                cost_run(&ground, strip.start + column, y, &mut costs);
+                cost_run(wide, &ground, strip.start + column, y, &mut costs);
                 let large = below(&ground, strip.start + column, y);
                 advance(wide, &up, &mut strip.spare, column, large, &ground, &costs);
             }
@@ -171,7 +171,7 @@ impl<C: PixelCost> WideWork for FillBand<'_, C> {
         for row in (0..rows).rev() {
             for column in 0..columns {
                 let costs = &mut costs[run(row, column)];
-                cost_run(&ground, start + column, top + row, costs);
+                cost_run(wide, &ground, start + column, top + row, costs);
                 let large = below(&ground, start + column, top + row);
                 let now = advance(wide, up, spare, column, large, &ground, costs);
                 vertical[run(row, column)].copy_from_slice(now);
@@ -203,20 +203,21 @@ impl<C: PixelCost> WideWork for FillBand<'_, C> {
 
 /// The costs of a pixel; places beyond the last shift cost the most there is.
 #[inline(always)]
-fn cost_run<C: PixelCost>(ground: &Ground<'_, C>, x: usize, y: usize, costs: &mut [u8]) {
-    ground.cost.costs(x, y, costs);
+fn cost_run<C: PixelCost, W: Wide>(
+    wide: W,
+    ground: &Ground<'_, C>,
+    x: usize,
+    y: usize,
+    costs: &mut [u8],
+) {
+    ground.cost.costs(wide, x, y, costs);
     costs[ground.shifts..].fill(u8::MAX);
 }
 
 /// What a large step of the shift costs between a pixel and the one below it.
 #[inline(always)]
 fn below<C>(ground: &Ground<'_, C>, x: usize, y: usize) -> i16 {
-    let (width, height) = (ground.guide.width(), ground.guide.height());
-    if y + 1 == height {
-        return 0;
-    }
-    let here = y * width + x;
-    ground.penalty.large(ground.guide.step(here, here + width))
+    ground.penalty.large(ground.guide.below(y)[x])
 }
 
 /// One step of the path in a column, from `before` to `now`.

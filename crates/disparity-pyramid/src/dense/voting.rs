@@ -5,8 +5,11 @@ use crate::dense::cross_arms::CrossArms;
 use crate::dense::partial_field::{PartialField, is_hidden};
 
 /// Votes that carry an election: more than so many, and more than this part of all.
-const LEAST_VOTES: u32 = 20;
+const LEAST_VOTES: u32 = 10;
 const LEAST_SHARE: f32 = 0.4;
+
+/// Every so many rows of a surface vote: half the time, and rows know what their neighbours know.
+const ROWS: usize = 2;
 
 /// How much nearer than what lies behind a hidden pixel may come to lie, in pixels.
 const HIDDEN_NEARER_PX: f32 = 1.0;
@@ -16,26 +19,27 @@ const HIDDEN_NEARER_PX: f32 = 1.0;
 /// than what lies behind it.
 pub(crate) fn vote(field: &mut PartialField, arms: &CrossArms<'_>, search: SearchRange) {
     let (height, width) = field.dx.dim();
-    let elected: Vec<Option<f32>> = (0..height * width)
+    let elected: Vec<Vec<Option<f32>>> = (0..height)
         .into_par_iter()
-        .with_min_len(width)
         .map_init(
             || vec![(0u32, 0.0f32); search.shifts()],
-            |bins, place| {
-                let (y, x) = (place / width, place % width);
-                if field.known[[y, x]] {
-                    return None;
-                }
-                let winner = elect(field, arms, search, bins, (x, y))?;
-                let behind = is_hidden(field.validity[[y, x]])
-                    .then(|| field.background(x, y))
-                    .flatten();
-                behind
-                    .is_none_or(|behind| winner >= behind - HIDDEN_NEARER_PX)
-                    .then_some(winner)
+            |bins, y| {
+                let behind = field.backgrounds(y);
+                let elected = (0..width).map(|x| {
+                    if field.known[[y, x]] {
+                        return None;
+                    }
+                    let winner = elect(field, arms, search, bins, (x, y))?;
+                    let behind = behind[x].filter(|_| is_hidden(field.validity[[y, x]]));
+                    behind
+                        .is_none_or(|behind| winner >= behind - HIDDEN_NEARER_PX)
+                        .then_some(winner)
+                });
+                elected.collect()
             },
         )
         .collect();
+    let elected = elected.into_iter().flatten();
     let kept = field.dx.iter_mut().zip(&mut field.known);
     for ((dx, known), elected) in kept.zip(elected) {
         if let Some(elected) = elected {
@@ -56,7 +60,7 @@ fn elect(
     let known = field.known.as_slice()?;
     bins.fill((0, 0.0));
     let mut votes = 0;
-    for run in arms.region(x, y) {
+    for run in arms.region(x, y).step_by(ROWS) {
         for (dx, known) in dx[run.clone()].iter().zip(&known[run]) {
             if *known {
                 let bin = (dx.round() as i32 - search.least_dx()).max(0) as usize;

@@ -16,7 +16,10 @@ pub(crate) trait Wide: Copy {
     fn store(self, values: Self::Run, run: &mut [i16; LANES]);
     fn add(self, a: Self::Run, b: Self::Run) -> Self::Run;
     fn sub(self, a: Self::Run, b: Self::Run) -> Self::Run;
+    fn mul(self, a: Self::Run, b: Self::Run) -> Self::Run;
     fn min(self, a: Self::Run, b: Self::Run) -> Self::Run;
+    /// Stores the upper 7 bits of sixteen integers from 0 to 2^16 - 1.
+    fn store_upper_7(self, values: Self::Run, run: &mut [u8; LANES]);
     /// `then` where `a < b`, `otherwise` elsewhere.
     fn if_less(
         self,
@@ -66,6 +69,16 @@ impl Wide for Plain {
     #[inline(always)]
     fn sub(self, a: Self::Run, b: Self::Run) -> Self::Run {
         std::array::from_fn(|i| a[i].wrapping_sub(b[i]))
+    }
+
+    #[inline(always)]
+    fn mul(self, a: Self::Run, b: Self::Run) -> Self::Run {
+        std::array::from_fn(|i| a[i].wrapping_mul(b[i]))
+    }
+
+    #[inline(always)]
+    fn store_upper_7(self, values: Self::Run, run: &mut [u8; LANES]) {
+        *run = values.map(|value| (value as u16 >> 9) as u8);
     }
 
     #[inline(always)]
@@ -127,6 +140,20 @@ impl Wide for pulp::x86::V3 {
     #[inline(always)]
     fn sub(self, a: Self::Run, b: Self::Run) -> Self::Run {
         self.avx2._mm256_sub_epi16(a, b)
+    }
+
+    #[inline(always)]
+    fn mul(self, a: Self::Run, b: Self::Run) -> Self::Run {
+        self.avx2._mm256_mullo_epi16(a, b)
+    }
+
+    #[inline(always)]
+    fn store_upper_7(self, values: Self::Run, run: &mut [u8; LANES]) {
+        let upper = self.avx2._mm256_srli_epi16::<9>(values);
+        let packed = self.avx2._mm256_packus_epi16(upper, upper);
+        // Each half has packed its own eight.
+        let joined = self.avx2._mm256_permute4x64_epi64::<0b10_00>(packed);
+        *run = pulp::cast(self.avx._mm256_castsi256_si128(joined));
     }
 
     #[inline(always)]
@@ -206,10 +233,14 @@ mod tests {
             wide.add(va, vb),
             wide.sub(va, vb),
             wide.min(va, vb),
+            wide.mul(va, vb),
             wide.if_less(va, vb, wide.splat(1), wide.splat(2)),
         ];
         let place = |value| wide.first_equal(va, value).map_or(-1, |place| place as i16);
         let mut said = vec![wide.least(va), place(a[5]), place(100)];
+        let mut upper = [0; LANES];
+        wide.store_upper_7(wide.mul(va, wide.splat(-4099)), &mut upper);
+        said.extend(upper.map(i16::from));
         for run in runs {
             let mut out = [0; LANES];
             wide.store(run, &mut out);
