@@ -82,20 +82,7 @@ pub(crate) struct Options {
 
 /// Runs the task.
 pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
-    let data = options
-        .data
-        .clone()
-        .or_else(data_folder::of_environment)
-        .with_context(|| {
-            format!(
-                "no data folder: name it with --data DIR or the variable {}.\n\
-                 It holds scenes as stereo/SET/SCENE, each with scene.toml, left.png, right.png \
-                 and disp_left.png or disp_left.pfm. Middlebury's pairs and truths can be \
-                 downloaded from https://vision.middlebury.edu/stereo/data/; --download --from URL \
-                 fetches them from a copy of such a folder",
-                data_folder::VARIABLE
-            )
-        })?;
+    let data = data_folder(options.data.as_deref())?;
     if let (true, Some(base)) = (options.download, &options.from) {
         fetch(&data, base, options)?;
     }
@@ -114,6 +101,23 @@ pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
         println!("\nEvery bound holds.");
     }
     Ok(())
+}
+
+/// The data folder that is named, or that the environment names.
+pub(crate) fn data_folder(named: Option<&Path>) -> anyhow::Result<PathBuf> {
+    named
+        .map(Path::to_owned)
+        .or_else(data_folder::of_environment)
+        .with_context(|| {
+            format!(
+                "no data folder: name it with --data DIR or the variable {}.\n\
+                 It holds scenes as stereo/SET/SCENE, each with scene.toml, left.png, right.png \
+                 and disp_left.png or disp_left.pfm. Middlebury's pairs and truths can be \
+                 downloaded from https://vision.middlebury.edu/stereo/data/; --download --from URL \
+                 of eval-middlebury fetches them from a copy of such a folder",
+                data_folder::VARIABLE
+            )
+        })
 }
 
 fn fetch(data: &Path, base: &str, options: &Options) -> anyhow::Result<()> {
@@ -143,7 +147,7 @@ fn fetch(data: &Path, base: &str, options: &Options) -> anyhow::Result<()> {
 
 /// Evaluates the scenes that are wanted, in the order of their paths.
 fn scores(data: &Path, options: &Options) -> anyhow::Result<Vec<Score>> {
-    let scenes = scenes(data, options)?;
+    let scenes = dense_scenes(data, &options.scene)?;
     let progress = progress(options.quiet);
     progress.set_length(scenes.len() as u64);
     let mut scores = Vec::new();
@@ -159,7 +163,10 @@ fn scores(data: &Path, options: &Options) -> anyhow::Result<Vec<Score>> {
 }
 
 /// The rectified scenes that are wanted and have dense truth, with their truth.
-fn scenes(data: &Path, options: &Options) -> anyhow::Result<Vec<(StereoScene, Array2<f32>)>> {
+pub(crate) fn dense_scenes(
+    data: &Path,
+    wanted: &[String],
+) -> anyhow::Result<Vec<(StereoScene, Array2<f32>)>> {
     let mut found = Vec::new();
     for scene in scene_folder::stereo_scenes(data)? {
         if scene.description.rectified
@@ -172,7 +179,7 @@ fn scenes(data: &Path, options: &Options) -> anyhow::Result<Vec<(StereoScene, Ar
         .iter()
         .map(|(scene, _)| scene.description.name.clone())
         .collect();
-    if let Some(missing) = options.scene.iter().find(|name| !names.contains(name)) {
+    if let Some(missing) = wanted.iter().find(|name| !names.contains(name)) {
         bail!(
             "no scene {missing} with dense truth below {}; there are {}.\n\
              A scene is a folder stereo/SET/{missing} with scene.toml beside left.png, right.png \
@@ -182,7 +189,7 @@ fn scenes(data: &Path, options: &Options) -> anyhow::Result<Vec<(StereoScene, Ar
             names.join(", ")
         );
     }
-    found.retain(|(scene, _)| options.wants(&scene.description.name));
+    found.retain(|(scene, _)| wanted.is_empty() || wanted.contains(&scene.description.name));
     if found.is_empty() {
         bail!("no scene below {} has dense truth", data.display());
     }
@@ -252,7 +259,7 @@ fn write(evaluation: &Evaluation, options: &Options) -> anyhow::Result<()> {
 }
 
 /// Writes a file whole or not at all, and makes its folder if there is none.
-fn write_file(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder)
             .with_context(|| format!("the folder {} cannot be made", folder.display()))?;

@@ -8,9 +8,13 @@
 )]
 
 mod bounds;
+mod compare_opencv;
+mod comparison;
 mod continuous;
+mod cpu_clock;
 mod data_folder;
 mod date;
+mod dense_results_page;
 mod download;
 mod error_picture;
 mod estimator;
@@ -22,6 +26,8 @@ mod markdown_table;
 mod marks;
 mod masks;
 mod metrics;
+mod opencv;
+mod python_environment;
 mod results_page;
 mod score;
 mod score_tables;
@@ -48,12 +54,15 @@ struct Tasks {
 #[derive(Debug, Subcommand)]
 enum Task {
     EvalMiddlebury(eval_middlebury::Options),
+    #[command(name = "compare-opencv")]
+    CompareOpencv(compare_opencv::Options),
 }
 
 fn main() -> ExitCode {
     let Tasks { task } = Tasks::parse();
     let done = match task {
         Task::EvalMiddlebury(options) => eval_middlebury::run(&options),
+        Task::CompareOpencv(options) => compare_opencv::run(&options),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
