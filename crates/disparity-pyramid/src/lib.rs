@@ -64,7 +64,7 @@ mod warp;
 
 pub use dense::{
     Acuity, BadDense, BadDenseParam, BadRange, Cost, DenseMatcher, DenseParams, EyeView, LookBack,
-    SearchRange, WrongView,
+    RowAlignment, SearchRange, WrongView,
 };
 pub use disparity_field::{Disparity, DisparityField, NotAField};
 pub use estimate::{Mismatch, estimate};

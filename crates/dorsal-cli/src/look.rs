@@ -9,7 +9,7 @@ use dorsal::{DenseLook, Search};
 use stereo_formats::{middlebury_calib, picture, rig_toml};
 
 use crate::console::Console;
-use crate::look_arguments::{Estimator, LookArguments, MostDisparity, Preset};
+use crate::look_arguments::{Estimator, LookArguments, MostDisparity, Preset, Rectify};
 use crate::look_files::look_files;
 use crate::look_record::{Inputs, LookRecord};
 use crate::object_table::object_table;
@@ -139,6 +139,7 @@ fn estimator(arguments: &LookArguments) -> anyhow::Result<dorsal::Estimator> {
             Preset::Best => DenseParams::best(),
         },
         search,
+        align_rows: arguments.rectify == Rectify::Auto,
     }))
 }
 

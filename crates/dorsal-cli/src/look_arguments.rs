@@ -37,6 +37,11 @@ pub(crate) struct LookArguments {
     #[arg(long, value_name = "N", value_parser = pixels, allow_negative_numbers = true)]
     pub(crate) min_disparity: Option<i32>,
 
+    /// Align the right picture's rows with the left one's before the dense estimator looks, by what
+    /// the vector pyramid sees: for a rig whose calibration is missing or cannot be trusted
+    #[arg(long, value_enum, default_value = "none")]
+    pub(crate) rectify: Rectify,
+
     /// Write the best guess where the disparity is unknown; depth and objects never rest on
     /// guesses
     #[arg(long)]
@@ -103,6 +108,15 @@ pub(crate) enum Preset {
     Best,
 }
 
+/// Whether rows are aligned first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Rectify {
+    /// The pair is rectified
+    None,
+    /// One line a row, fitted to the vertical disparities
+    Auto,
+}
+
 /// The far end of the dense estimator's search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum MostDisparity {
@@ -127,6 +141,7 @@ Files written:
 Examples:
   dorsal look left.png right.png --out out --dense
   dorsal look left.png right.png --out out --estimator dense --max-disparity 64
+  dorsal look left.png right.png --out out --estimator dense --rectify auto
   dorsal look left.png right.png --out out --rig rig.toml --scales 7 --zero-disparity 40
   dorsal look left.png right.png --out out --rig rig.toml --labels labels.png --names names.toml
 

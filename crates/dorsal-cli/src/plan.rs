@@ -1,6 +1,6 @@
 use anyhow::Context as _;
 use dorsal::allocentric_qsr::{DepthReference, Inference, Mode, QualifyParams, QualitativeScene};
-use dorsal::disparity_pyramid::{DenseMatcher, DisparityField, EyeView, MatchParams, estimate};
+use dorsal::disparity_pyramid::{DisparityField, EyeView, MatchParams, RowAlignment, estimate};
 use dorsal::egocentric_depth::{LocateParams, Reach, StereoRig, locate, triangulate};
 use dorsal::v1_gabor::{Binocular, FilterBank, GaborParams};
 use dorsal::{DenseLook, Estimator, sightings};
@@ -105,23 +105,35 @@ impl Plan {
             rgb: Some(eye.rgb()),
         });
         console.step("finding the range of disparities");
-        let search = times.measure("search", || {
+        let preparation = times.measure("preparation", || {
             let bank = FilterBank::plan(self.gabor, size)?;
-            anyhow::Ok(dense.search.range(&views, &bank, self.matching)?)
+            anyhow::Ok(dense.prepare(&views, &bank, self.matching)?)
         });
-        let search = search.context("the range of disparities is not found")?;
+        let preparation = preparation.context("the dense estimator cannot be prepared")?;
+        let search = preparation.search;
         console.note(&format!(
             "disparities from {} to {} px are tried",
             -search.most_dx(),
             -search.least_dx()
         ));
+        if let Some(rows) = &preparation.rows {
+            let residual_px = rows.residual_px();
+            console.note(&format!(
+                "rows aligned; a vertical disparity of {residual_px:.2} px is left (RMS)"
+            ));
+            if residual_px > RowAlignment::MOST_RESIDUAL_PX {
+                console.note(&format!(
+                    "that is more than {} px: a line a row does not describe this rig, and \
+                     matches will be missed",
+                    RowAlignment::MOST_RESIDUAL_PX
+                ));
+            }
+        }
 
         console.step("matching the eyes");
-        let disparity = times.measure("disparity", || {
-            let matcher = DenseMatcher::plan(dense.params, size)?;
-            anyhow::Ok(matcher.estimate(&views, search)?)
-        });
-        disparity.context("the eyes cannot be matched")
+        times
+            .measure("disparity", || dense.look(&views, &preparation))
+            .context("the eyes cannot be matched")
     }
 
     /// The depths that the scales can tell with the rig; `None` without a rig, or if there are

@@ -27,6 +27,12 @@ pub enum Error {
          nearer to what is seen"
     )]
     NoSearch,
+    /// Level 2: the vector pyramid sees too little for the rows to be aligned.
+    #[error(
+        "too few disparities are valid for the rows to be aligned; more scales or a start nearer to \
+         what is seen may help"
+    )]
+    NoAlignment,
     /// Level 3: the labels do not belong to the depth map.
     #[error(transparent)]
     Depth(#[from] NotLocatable),

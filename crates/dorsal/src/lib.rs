@@ -68,6 +68,6 @@ pub use v1_gabor;
 
 pub use dorsal::Dorsal;
 pub use error::Error;
-pub use estimator::{DenseLook, Estimator, Search};
+pub use estimator::{DenseLook, Estimator, Preparation, Search};
 pub use percept::Percept;
 pub use sightings::{Names, object_id, sightings};
