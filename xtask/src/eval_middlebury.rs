@@ -7,6 +7,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use ndarray::Array2;
 use stereo_formats::scene_folder::{self, StereoScene};
 
+use crate::ablation;
 use crate::bounds;
 use crate::data_folder;
 use crate::date;
@@ -34,6 +35,7 @@ Examples:
   cargo xtask eval-middlebury --data ~/data
   cargo xtask eval-middlebury --scene venus --scene tsukuba --pictures out
   cargo xtask eval-middlebury --estimator dense --preset fast --sparsification
+  cargo xtask eval-middlebury --estimator dense --ablate --results out/ablation.md
   cargo xtask eval-middlebury --check --json out/eval.json --results out/results.md
   cargo xtask eval-middlebury --data ~/data --download --from https://HOST/data
 
@@ -65,6 +67,10 @@ pub(crate) struct Options {
     /// Print how well the confidence orders the errors: the area under the sparsification curve
     #[arg(long)]
     sparsification: bool,
+    /// Instead, leave out each ingredient of the dense estimator's preset in turn, print what that
+    /// costs, and write it to --results
+    #[arg(long)]
+    ablate: bool,
     /// Fail if an error is above its bound (dense, visible pixels: venus 0.45, sawtooth 0.70,
     /// tsukuba 0.70 px)
     #[arg(long)]
@@ -86,6 +92,9 @@ pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
     if let (true, Some(base)) = (options.download, &options.from) {
         fetch(&data, base, options)?;
     }
+    if options.ablate {
+        return ablate(&data, options);
+    }
     let evaluation = Evaluation {
         schema: Evaluation::SCHEMA,
         date: date::today(),
@@ -99,6 +108,36 @@ pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
     if options.check {
         bounds::check(&evaluation.scenes)?;
         println!("\nEvery bound holds.");
+    }
+    Ok(())
+}
+
+/// Prints the ablation, and writes it as a page of its own if one is named.
+fn ablate(data: &Path, options: &Options) -> anyhow::Result<()> {
+    let scenes = dense_scenes(data, &options.scene)?;
+    let progress = progress(options.quiet);
+    let table = ablation::table(&scenes, options.preset.params(), |variant| {
+        progress.set_message(variant.to_owned());
+        progress.inc(1);
+    })?;
+    progress.finish_and_clear();
+    let names = scenes.iter().map(|(scene, _)| &*scene.description.name);
+    let names: Vec<&str> = names.collect();
+    let machine = Machine::this();
+    let page = format!(
+        "# What each ingredient is worth\n\nWritten by `cargo xtask eval-middlebury --estimator dense \
+         --ablate`; edits by hand are lost.\n\n- date: {}\n- machine: {}\n- preset: {}\n- scenes: \
+         {}\n\nOne ingredient of the dense estimator is exchanged or left out at a time; the \
+         parameters of the others stay. Errors over visible pixels (and all pixels), a value \
+         everywhere.\n\n{table}",
+        date::today(),
+        machine.cpu,
+        options.preset.name(),
+        names.join(", "),
+    );
+    println!("{page}");
+    if let Some(path) = &options.results {
+        write_file(path, page.as_bytes())?;
     }
     Ok(())
 }

@@ -7,6 +7,7 @@
     reason = "a command line prints its results and its errors"
 )]
 
+mod ablation;
 mod bounds;
 mod compare_opencv;
 mod comparison;

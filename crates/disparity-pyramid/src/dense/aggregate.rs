@@ -288,7 +288,7 @@ mod tests {
             costs[..self.shifts].copy_from_slice(&self.costs[start..start + self.shifts]);
         }
 
-        fn from_the_other_eye(&self) -> Self {
+        fn seen_by_the_other_eye(&self) -> Self {
             unreachable!("aggregation looks with one eye")
         }
     }

@@ -225,7 +225,7 @@ impl DenseMatcher {
             Some(told) => told,
             None => {
                 let ground = Ground {
-                    cost: &cost.from_the_other_eye(),
+                    cost: &cost.seen_by_the_other_eye(),
                     guide: &guides.right.mirrored(),
                     ..ground
                 };

@@ -46,10 +46,12 @@ fn claimed(other_dx: ArrayView1<'_, f32>, search: SearchRange) -> Vec<bool> {
         for x in [from - 1.0, from, from + 1.0] {
             let shift = seen as f32 - x;
             let tried = (search.least_dx() as f32..=search.most_dx() as f32).contains(&shift);
-            if tried && (shift - dx).abs() < AGREES_PX && x >= 0.0 {
-                if let Some(claimed) = claimed.get_mut(x as usize) {
-                    *claimed = true;
-                }
+            if tried
+                && (shift - dx).abs() < AGREES_PX
+                && x >= 0.0
+                && let Some(claimed) = claimed.get_mut(x as usize)
+            {
+                *claimed = true;
             }
         }
     }

@@ -87,7 +87,7 @@ impl PixelCost for PhaseAgreement {
         }
     }
 
-    fn from_the_other_eye(&self) -> Self {
+    fn seen_by_the_other_eye(&self) -> Self {
         Self {
             eyes: Binocular {
                 left: self.eyes.right.mirrored(self.padding),

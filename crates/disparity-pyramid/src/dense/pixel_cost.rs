@@ -17,5 +17,5 @@ pub(crate) trait PixelCost: Sync {
 
     /// The same cost seen from the other eye, in mirror images: what was searched to the left for
     /// is again to the left, so the range of shifts stays as it is.
-    fn from_the_other_eye(&self) -> Self;
+    fn seen_by_the_other_eye(&self) -> Self;
 }

@@ -1,4 +1,6 @@
 //! A texture known at every place, so that the right eye's image is exact at any shift.
+#![allow(dead_code, reason = "each test file uses a part of it")]
+
 use std::f64::consts::TAU;
 
 use ndarray::Array2;
