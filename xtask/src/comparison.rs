@@ -52,6 +52,9 @@ pub(crate) struct OnScene {
     pub(crate) ours_at_its_density: Vec<Option<Metrics>>,
 }
 
+/// One number of a result on a scene.
+pub(crate) type Measure = fn(&OnScene) -> f64;
+
 impl Comparison {
     /// The form that this version writes.
     pub(crate) const SCHEMA: &'static str = "dorsal-opencv/1";
@@ -73,7 +76,7 @@ impl Comparison {
 
 impl Contestant {
     /// The mean of a measure over the scenes.
-    pub(crate) fn mean(&self, measure: fn(&OnScene) -> f64) -> f64 {
+    pub(crate) fn mean(&self, measure: Measure) -> f64 {
         self.scenes.iter().map(measure).sum::<f64>() / self.scenes.len() as f64
     }
 }

@@ -1,7 +1,7 @@
 use std::fmt::Write;
 
 use crate::comparison::{
-    Comparison, Contestant, OnScene, all_bad_1, seconds, visible_bad_1, visible_mean,
+    Comparison, Contestant, Measure, all_bad_1, seconds, visible_bad_1, visible_mean,
 };
 use crate::estimator::Preset;
 use crate::markdown_table::MarkdownTable;
@@ -44,7 +44,7 @@ pub(crate) fn dense_results_page(comparison: &Comparison) -> String {
     for chosen in comparison.chosen() {
         let _ = writeln!(page, "- {}: {}", chosen.name, chosen.setting);
     }
-    let tables: [(&str, fn(&OnScene) -> f64, usize); 4] = [
+    let tables: [(&str, Measure, usize); 4] = [
         ("Visible pixels: bad-1, %", visible_bad_1, 2),
         ("Visible pixels: mean absolute error, px", visible_mean, 3),
         ("All pixels: bad-1, %", all_bad_1, 2),
@@ -88,11 +88,7 @@ pub(crate) fn dense_results_page(comparison: &Comparison) -> String {
 }
 
 /// One measure of every scene, ours first.
-fn side_by_side(
-    comparison: &Comparison,
-    measure: fn(&OnScene) -> f64,
-    digits: usize,
-) -> MarkdownTable {
+fn side_by_side(comparison: &Comparison, measure: Measure, digits: usize) -> MarkdownTable {
     let chosen = comparison.chosen();
     let contestants = || {
         [&comparison.best, &comparison.fast]

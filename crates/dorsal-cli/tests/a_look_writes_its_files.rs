@@ -113,7 +113,7 @@ fn the_dense_estimator_finds_its_range_or_takes_it() {
         );
         let look = json(&pair, "out/look.json");
         assert_eq!(look["estimator"], "dense");
-        assert_eq!(look["dense_matching"]["look_back"].is_string(), true);
+        assert!(look["dense_matching"]["look_back"].is_string());
     }
 }
 
