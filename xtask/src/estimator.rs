@@ -1,7 +1,11 @@
 use anyhow::Context;
 use clap::ValueEnum;
-use disparity_pyramid::{DisparityField, MatchParams, estimate};
+use disparity_pyramid::{
+    DenseMatcher, DenseParams, DisparityField, EyeView, MatchParams, SearchRange, estimate,
+};
+use ndarray::ArrayView2;
 use serde::Serialize;
+use stereo_formats::picture::Picture;
 use v1_gabor::{Binocular, FilterBank, GaborParams, LumaImage};
 
 /// A way from two images to a disparity field. Each has one fixed parameter set for all scenes.
@@ -10,6 +14,37 @@ use v1_gabor::{Binocular, FilterBank, GaborParams, LumaImage};
 pub(crate) enum Estimator {
     /// The vector pyramid over eight orientations (equations 1 to 4), with its default parameters.
     Vector,
+    /// The dense epipolar estimator.
+    Dense,
+}
+
+/// A parameter set of the dense estimator.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, ValueEnum)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum Preset {
+    /// For robots.
+    Fast,
+    /// For measurement.
+    #[default]
+    Best,
+}
+
+impl Preset {
+    /// What the command line calls it.
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Fast => "fast",
+            Self::Best => "best",
+        }
+    }
+
+    /// Its parameters.
+    pub(crate) fn params(self) -> DenseParams {
+        match self {
+            Self::Fast => DenseParams::fast(),
+            Self::Best => DenseParams::best(),
+        }
+    }
 }
 
 impl Estimator {
@@ -17,21 +52,51 @@ impl Estimator {
     pub(crate) const fn name(self) -> &'static str {
         match self {
             Self::Vector => "vector",
+            Self::Dense => "dense",
         }
     }
 
-    /// The disparity of a pair.
-    pub(crate) fn look(self, eyes: &Binocular<LumaImage>) -> anyhow::Result<DisparityField> {
+    /// The disparity of a pair whose truth lies within `search`.
+    pub(crate) fn look(
+        self,
+        preset: Preset,
+        eyes: &Binocular<Picture>,
+        search: SearchRange,
+    ) -> anyhow::Result<DisparityField> {
         match self {
-            Self::Vector => vector(eyes),
+            Self::Vector => vector(&eyes.as_ref().map(Picture::luma)),
+            Self::Dense => dense(preset.params(), eyes, search),
         }
     }
 }
 
-fn vector(eyes: &Binocular<LumaImage>) -> anyhow::Result<DisparityField> {
+/// The shifts that the dense estimators, ours and others, are told to search in a scene: from none
+/// to the first multiple of 16 px above the largest true disparity `d`.
+pub(crate) fn search_of(truth: ArrayView2<'_, f32>) -> anyhow::Result<SearchRange> {
+    let known = truth.iter().copied().filter(|d| d.is_finite());
+    let most = known.fold(0.0f32, f32::max);
+    let shifts = 16 * (most as i32 / 16 + 1);
+    Ok(SearchRange::new(1 - shifts, 0)?)
+}
+
+/// The disparity of a pair by the dense estimator with these parameters.
+pub(crate) fn dense(
+    params: DenseParams,
+    eyes: &Binocular<Picture>,
+    search: SearchRange,
+) -> anyhow::Result<DisparityField> {
+    let matcher = DenseMatcher::plan(params, eyes.left.size())?;
+    let views = eyes.as_ref().map(|eye| EyeView {
+        luma: eye.luma(),
+        rgb: Some(eye.rgb()),
+    });
+    Ok(matcher.estimate(&views, search)?)
+}
+
+fn vector(eyes: &Binocular<&LumaImage>) -> anyhow::Result<DisparityField> {
     let size = eyes.left.size();
     let bank = FilterBank::plan(GaborParams::default().fitted_to(size), size)
         .context("level 1 has no bank for these images")?;
-    let responses = eyes.as_ref().try_map(|eye| bank.respond(eye))?;
+    let responses = eyes.try_map(|eye| bank.respond(eye))?;
     estimate(&responses, MatchParams::default()).context("level 2 cannot match these eyes")
 }

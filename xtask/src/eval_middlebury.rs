@@ -5,20 +5,20 @@ use anyhow::{Context, bail};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use ndarray::Array2;
-use stereo_formats::picture::Picture;
 use stereo_formats::scene_folder::{self, StereoScene};
-use v1_gabor::Binocular;
 
+use crate::ablation;
 use crate::bounds;
 use crate::data_folder;
 use crate::date;
 use crate::docs_folder::docs_folder;
 use crate::download::{self, Downloaded};
 use crate::error_picture;
-use crate::estimator::Estimator;
+use crate::estimator::{Estimator, Preset, search_of};
 use crate::evaluation::Evaluation;
 use crate::machine::Machine;
 use crate::manifest::{ListedScene, Manifest};
+use crate::marks;
 use crate::masks::Masks;
 use crate::results_page::results_page;
 use crate::score::Score;
@@ -38,6 +38,8 @@ use crate::table_1_run::{SceneRun, Table1Run};
 Examples:
   cargo xtask eval-middlebury --data ~/data
   cargo xtask eval-middlebury --scene venus --scene tsukuba --pictures out
+  cargo xtask eval-middlebury --estimator dense --preset fast --sparsification
+  cargo xtask eval-middlebury --estimator dense --ablate --results out/ablation.md
   cargo xtask eval-middlebury --check --json out/eval.json --results out/results.md
   cargo xtask eval-middlebury --table1
   cargo xtask eval-middlebury --data ~/data --download --from https://HOST/data
@@ -54,6 +56,9 @@ pub(crate) struct Options {
     /// How disparities are estimated
     #[arg(long, value_enum, default_value_t = Estimator::Vector)]
     estimator: Estimator,
+    /// The parameter set of the dense estimator
+    #[arg(long, value_enum, default_value_t = Preset::Best)]
+    preset: Preset,
     /// Write every number to this file, as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -67,6 +72,13 @@ pub(crate) struct Options {
     /// Run the five rows of the paper's Table 1, on its three scenes, and write docs/table-1.md
     #[arg(long, conflicts_with_all = ["scene", "estimator", "pictures", "check"])]
     table1: bool,
+    /// Print how well the confidence orders the errors: the area under the sparsification curve
+    #[arg(long)]
+    sparsification: bool,
+    /// Instead, leave out each ingredient of the dense estimator's preset in turn, print what that
+    /// costs, and write it to --results
+    #[arg(long)]
+    ablate: bool,
     /// Fail if an error is above its bound (dense, visible pixels: venus 0.45, sawtooth 0.70,
     /// tsukuba 0.70 px)
     #[arg(long)]
@@ -84,25 +96,15 @@ pub(crate) struct Options {
 
 /// Runs the task.
 pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
-    let data = options
-        .data
-        .clone()
-        .or_else(data_folder::of_environment)
-        .with_context(|| {
-            format!(
-                "no data folder: name it with --data DIR or the variable {}.\n\
-                 It holds scenes as stereo/SET/SCENE, each with scene.toml, left.png, right.png \
-                 and disp_left.png or disp_left.pfm. Middlebury's pairs and truths can be \
-                 downloaded from https://vision.middlebury.edu/stereo/data/; --download --from URL \
-                 fetches them from a copy of such a folder",
-                data_folder::VARIABLE
-            )
-        })?;
+    let data = data_folder(options.data.as_deref())?;
     if let (true, Some(base)) = (options.download, &options.from) {
         fetch(&data, base, options)?;
     }
     if options.table1 {
         return table_1(&data, options);
+    }
+    if options.ablate {
+        return ablate(&data, options);
     }
     let evaluation = Evaluation {
         schema: Evaluation::SCHEMA,
@@ -112,13 +114,60 @@ pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
         estimator: options.estimator,
         scenes: scores(&data, options)?,
     };
-    print(&evaluation);
+    print(&evaluation, options);
     write(&evaluation, options)?;
     if options.check {
         bounds::check(&evaluation.scenes)?;
         println!("\nEvery bound holds.");
     }
     Ok(())
+}
+
+/// Prints the ablation, and writes it as a page of its own if one is named.
+fn ablate(data: &Path, options: &Options) -> anyhow::Result<()> {
+    let scenes = dense_scenes(data, &options.scene)?;
+    let progress = progress(options.quiet);
+    let table = ablation::table(&scenes, options.preset.params(), |variant| {
+        progress.set_message(variant.to_owned());
+        progress.inc(1);
+    })?;
+    progress.finish_and_clear();
+    let names = scenes.iter().map(|(scene, _)| &*scene.description.name);
+    let names: Vec<&str> = names.collect();
+    let machine = Machine::this();
+    let page = format!(
+        "# What each ingredient is worth\n\nWritten by `cargo xtask eval-middlebury --estimator dense \
+         --ablate`; edits by hand are lost.\n\n- date: {}\n- machine: {}\n- preset: {}\n- scenes: \
+         {}\n\nOne ingredient of the dense estimator is exchanged or left out at a time; the \
+         parameters of the others stay. Errors over visible pixels (and all pixels), a value \
+         everywhere.\n\n{table}",
+        date::today(),
+        machine.cpu,
+        options.preset.name(),
+        names.join(", "),
+    );
+    println!("{page}");
+    if let Some(path) = &options.results {
+        write_file(path, page.as_bytes())?;
+    }
+    Ok(())
+}
+
+/// The data folder that is named, or that the environment names.
+pub(crate) fn data_folder(named: Option<&Path>) -> anyhow::Result<PathBuf> {
+    named
+        .map(Path::to_owned)
+        .or_else(data_folder::of_environment)
+        .with_context(|| {
+            format!(
+                "no data folder: name it with --data DIR or the variable {}.\n\
+                 It holds scenes as stereo/SET/SCENE, each with scene.toml, left.png, right.png \
+                 and disp_left.png or disp_left.pfm. Middlebury's pairs and truths can be \
+                 downloaded from https://vision.middlebury.edu/stereo/data/; --download --from URL \
+                 of eval-middlebury fetches them from a copy of such a folder",
+                data_folder::VARIABLE
+            )
+        })
 }
 
 fn fetch(data: &Path, base: &str, options: &Options) -> anyhow::Result<()> {
@@ -148,7 +197,7 @@ fn fetch(data: &Path, base: &str, options: &Options) -> anyhow::Result<()> {
 
 /// Evaluates the scenes that are wanted, in the order of their paths.
 fn scores(data: &Path, options: &Options) -> anyhow::Result<Vec<Score>> {
-    let scenes = scenes(data, options)?;
+    let scenes = dense_scenes(data, &options.scene)?;
     let progress = progress(options.quiet);
     progress.set_length(scenes.len() as u64);
     let mut scores = Vec::new();
@@ -164,7 +213,10 @@ fn scores(data: &Path, options: &Options) -> anyhow::Result<Vec<Score>> {
 }
 
 /// The rectified scenes that are wanted and have dense truth, with their truth.
-fn scenes(data: &Path, options: &Options) -> anyhow::Result<Vec<(StereoScene, Array2<f32>)>> {
+pub(crate) fn dense_scenes(
+    data: &Path,
+    wanted: &[String],
+) -> anyhow::Result<Vec<(StereoScene, Array2<f32>)>> {
     let mut found = Vec::new();
     for scene in scene_folder::stereo_scenes(data)? {
         if scene.description.rectified
@@ -177,7 +229,7 @@ fn scenes(data: &Path, options: &Options) -> anyhow::Result<Vec<(StereoScene, Ar
         .iter()
         .map(|(scene, _)| scene.description.name.clone())
         .collect();
-    if let Some(missing) = options.scene.iter().find(|name| !names.contains(name)) {
+    if let Some(missing) = wanted.iter().find(|name| !names.contains(name)) {
         bail!(
             "no scene {missing} with dense truth below {}; there are {}.\n\
              A scene is a folder stereo/SET/{missing} with scene.toml beside left.png, right.png \
@@ -187,7 +239,7 @@ fn scenes(data: &Path, options: &Options) -> anyhow::Result<Vec<(StereoScene, Ar
             names.join(", ")
         );
     }
-    found.retain(|(scene, _)| options.wants(&scene.description.name));
+    found.retain(|(scene, _)| wanted.is_empty() || wanted.contains(&scene.description.name));
     if found.is_empty() {
         bail!("no scene below {} has dense truth", data.display());
     }
@@ -198,9 +250,9 @@ fn score(scene: &StereoScene, truth: &Array2<f32>, options: &Options) -> anyhow:
     let pair = scene.pair()?;
     let left = pair.left.rgb().to_owned();
     let masks = Masks::of(scene, truth.view(), left.view())?;
-    let eyes: Binocular<_> = pair.map(Picture::into_luma);
+    let search = search_of(truth.view())?;
     let start = Instant::now();
-    let field = options.estimator.look(&eyes)?;
+    let field = options.estimator.look(options.preset, &pair, search)?;
     let took = start.elapsed();
     if let Some(folder) = &options.pictures {
         let name = &scene.description.name;
@@ -217,7 +269,7 @@ fn score(scene: &StereoScene, truth: &Array2<f32>, options: &Options) -> anyhow:
 
 /// Runs the paper's Table 1 again, prints it and writes its page.
 fn table_1(data: &Path, options: &Options) -> anyhow::Result<()> {
-    let scenes = in_order(scenes(data, options)?)?;
+    let scenes = in_order(dense_scenes(data, &options.scene)?)?;
     let progress = progress(options.quiet);
     progress.set_length(scenes.len() as u64);
     let mut run = Table1Run {
@@ -266,12 +318,24 @@ fn in_order(
     found.into_iter().collect()
 }
 
-fn print(evaluation: &Evaluation) {
+fn print(evaluation: &Evaluation, options: &Options) {
     let scores = &evaluation.scenes;
     for score in scores {
         println!("{}, px\n{}", score.scene, score_tables::of_scene(score));
     }
     println!("Visible pixels, px\n{}", score_tables::of_all(scores));
+    if options.estimator == Estimator::Dense
+        && let Some(table) = marks::table(scores, options.preset)
+    {
+        println!("The marks, best guess everywhere\n{table}");
+    }
+    if options.sparsification {
+        let table = score_tables::of_sparsification(scores);
+        println!(
+            "Area under the sparsification curve: bad-1 % among the most confident, averaged over \
+             all numbers of them; visible pixels\n{table}"
+        );
+    }
     if let Some(table) = score_tables::beside_table_1(scores) {
         println!("The paper's Table 1 (density of ours)\n{table}");
     }
@@ -283,8 +347,9 @@ fn write(evaluation: &Evaluation, options: &Options) -> anyhow::Result<()> {
         write_file(path, &json)?;
     }
     let docs = || {
-        // A page of some scenes is no replacement for the page of all.
-        let all = options.scene.is_empty();
+        // A page of some scenes is no replacement for the page of all, nor that of another
+        // estimator, which compare-opencv writes.
+        let all = options.scene.is_empty() && options.estimator == Estimator::Vector;
         all.then(docs_folder)
             .flatten()
             .map(|docs| docs.join("results.md"))
@@ -296,7 +361,7 @@ fn write(evaluation: &Evaluation, options: &Options) -> anyhow::Result<()> {
 }
 
 /// Writes a file whole or not at all, and makes its folder if there is none.
-fn write_file(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder)
             .with_context(|| format!("the folder {} cannot be made", folder.display()))?;
@@ -325,6 +390,10 @@ fn command(options: &Options) -> String {
     if options.estimator != Estimator::Vector {
         command += " --estimator ";
         command += options.estimator.name();
+    }
+    if options.estimator == Estimator::Dense {
+        command += " --preset ";
+        command += options.preset.name();
     }
     for scene in &options.scene {
         command += " --scene ";

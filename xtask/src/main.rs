@@ -7,14 +7,19 @@
     reason = "a command line prints its results and its errors"
 )]
 
+mod ablation;
 mod bank_pictures;
 mod bounds;
 mod calculus_pictures;
 mod calculus_results;
 mod check_soundness;
+mod compare_opencv;
+mod comparison;
 mod continuous;
+mod cpu_clock;
 mod data_folder;
 mod date;
+mod dense_results_page;
 mod docs_folder;
 mod download;
 mod error_picture;
@@ -26,14 +31,18 @@ mod lot;
 mod machine;
 mod manifest;
 mod markdown_table;
+mod marks;
 mod masks;
 mod metrics;
+mod opencv;
 mod phase_statistics;
+mod python_environment;
 mod results_page;
 mod score;
 mod score_tables;
 mod sha256;
 mod soak_memory;
+mod sparsification;
 mod table_1;
 mod table_1_page;
 mod table_1_row;
@@ -64,6 +73,8 @@ enum Task {
     ExportGqr(export_gqr::Options),
     CalculusPictures(calculus_pictures::Options),
     CalculusResults(calculus_results::Options),
+    #[command(name = "compare-opencv")]
+    CompareOpencv(compare_opencv::Options),
 }
 
 fn main() -> ExitCode {
@@ -76,6 +87,7 @@ fn main() -> ExitCode {
         Task::ExportGqr(options) => export_gqr::run(&options),
         Task::CalculusPictures(options) => calculus_pictures::run(&options),
         Task::CalculusResults(options) => calculus_results::run(&options),
+        Task::CompareOpencv(options) => compare_opencv::run(&options),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -8,6 +8,7 @@ use stereo_formats::scene_toml::StereoDescription;
 
 use crate::masks::Masks;
 use crate::metrics::Metrics;
+use crate::sparsification::Sparsification;
 
 /// How well one scene was seen.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -30,6 +31,8 @@ pub(crate) struct Score {
     pub(crate) valid: OverMasks,
     /// The best guess everywhere.
     pub(crate) dense: OverMasks,
+    /// How well the confidence orders the errors of the best guess over visible pixels.
+    pub(crate) sparsification: Option<Sparsification>,
 }
 
 /// The errors of one output over each mask; `None` where a mask leaves no pixel.
@@ -87,6 +90,12 @@ impl Score {
             seconds: took.as_secs_f64(),
             valid: over(false),
             dense: over(true),
+            sparsification: Sparsification::of(
+                file_sign::d_of_field(field, true).view(),
+                field.confidence(),
+                truth,
+                &masks.visible,
+            ),
         }
     }
 

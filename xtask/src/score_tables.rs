@@ -70,6 +70,19 @@ pub(crate) fn of_all(scores: &[Score]) -> MarkdownTable {
     table
 }
 
+/// How well the confidence orders the errors, one row a scene.
+pub(crate) fn of_sparsification(scores: &[Score]) -> MarkdownTable {
+    let mut table = MarkdownTable::new(["scene", "by confidence", "ideal", "unordered"]);
+    for score in scores {
+        let Some(curve) = score.sparsification else {
+            continue;
+        };
+        let cells = [curve.area, curve.ideal, curve.unordered].map(|part| format!("{part:.2}"));
+        table.push(std::iter::once(score.scene.clone()).chain(cells));
+    }
+    table
+}
+
 /// The paper's Table 1 with our own rows below it; `None` if none of its scenes was evaluated.
 ///
 /// An entry is the mean and the standard deviation of the absolute error, and for our own rows

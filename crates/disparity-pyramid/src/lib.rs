@@ -50,6 +50,7 @@
 //! [`estimate_monogenic`] takes the same steps over responses that know one orientation a pixel
 //! ([`v1_gabor::MonogenicResponses`]), with fits over neighbourhoods in place of orientations.
 mod coarse_to_fine;
+mod dense;
 mod disparity_field;
 mod estimate;
 mod estimate_monogenic;
@@ -68,6 +69,10 @@ mod validity;
 mod vector;
 mod warp;
 
+pub use dense::{
+    Acuity, BadDense, BadDenseParam, BadRange, Cost, DenseMatcher, DenseParams, EyeView, LookBack,
+    RowAlignment, SearchRange, WrongView,
+};
 pub use disparity_field::{Disparity, DisparityField, NotAField};
 pub use estimate::{Mismatch, estimate};
 pub use estimate_monogenic::estimate_monogenic;

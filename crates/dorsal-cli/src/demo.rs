@@ -2,6 +2,7 @@ use std::io::Write;
 use std::path::Path;
 
 use anyhow::{Context as _, bail};
+use dorsal::Estimator;
 use dorsal::allocentric_qsr::{DepthReference, QualifyParams};
 use dorsal::disparity_pyramid::MatchParams;
 use dorsal::egocentric_depth::LocateParams;
@@ -104,6 +105,7 @@ fn plan(scene: &DemoScene) -> anyhow::Result<Plan> {
         ..GaborParams::default()
     };
     Ok(Plan {
+        estimator: Estimator::Vector,
         gabor: gabor.fitted_to(scene.eyes.left.size()),
         matching: MatchParams {
             // A tenth of a pixel is as fine as anyone repeats by hand.

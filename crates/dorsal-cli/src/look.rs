@@ -2,13 +2,14 @@ use std::io::Write;
 use std::path::Path;
 
 use dorsal::allocentric_qsr::QualifyParams;
-use dorsal::disparity_pyramid::MatchParams;
+use dorsal::disparity_pyramid::{DenseParams, MatchParams, SearchRange};
 use dorsal::egocentric_depth::{LocateParams, StereoRig};
 use dorsal::v1_gabor::{Binocular, GaborParams, Size};
+use dorsal::{DenseLook, Search};
 use stereo_formats::{middlebury_calib, picture, rig_toml};
 
 use crate::console::Console;
-use crate::look_arguments::LookArguments;
+use crate::look_arguments::{Estimator, LookArguments, MostDisparity, Preset, Rectify};
 use crate::look_files::look_files;
 use crate::look_record::{Inputs, LookRecord};
 use crate::object_table::object_table;
@@ -45,7 +46,7 @@ pub(crate) fn look(arguments: &LookArguments, out: &mut dyn Write) -> anyhow::Re
             arguments.scales
         ));
     }
-    if let Some(reach) = plan.reach_sentence() {
+    if let (dorsal::Estimator::Vector, Some(reach)) = (plan.estimator, plan.reach_sentence()) {
         console.note(&reach);
     }
 
@@ -103,6 +104,7 @@ fn plan(arguments: &LookArguments, size: Size) -> anyhow::Result<Plan> {
         MatchParams::default()
     };
     Ok(Plan {
+        estimator: estimator(arguments)?,
         gabor: gabor.fitted_to(size),
         matching: MatchParams {
             energy_threshold: arguments.energy_threshold.unwrap_or(steps.energy_threshold),
@@ -116,6 +118,29 @@ fn plan(arguments: &LookArguments, size: Size) -> anyhow::Result<Plan> {
         reference: reference_system(&arguments.system)?,
         qualifying: QualifyParams::default(),
     })
+}
+
+/// The estimator that is asked for; the command line speaks the sign of files.
+fn estimator(arguments: &LookArguments) -> anyhow::Result<dorsal::Estimator> {
+    if arguments.estimator == Estimator::Vector {
+        return Ok(dorsal::Estimator::Vector);
+    }
+    let search = match (arguments.max_disparity, arguments.min_disparity) {
+        (MostDisparity::Auto, least) => Search::Found {
+            most_dx: least.map(|least| -least),
+        },
+        (MostDisparity::Px(most), least) => {
+            Search::Given(SearchRange::new(-most, -least.unwrap_or(most.min(0)))?)
+        }
+    };
+    Ok(dorsal::Estimator::Dense(DenseLook {
+        params: match arguments.preset {
+            Preset::Fast => DenseParams::fast(),
+            Preset::Best => DenseParams::best(),
+        },
+        search,
+        align_rows: arguments.rectify == Rectify::Auto,
+    }))
 }
 
 /// Reads a rig of our own, or a `calib.txt` of Middlebury.

@@ -23,6 +23,25 @@ pub(crate) struct LookArguments {
     #[arg(long, value_enum, default_value = "vector")]
     pub(crate) estimator: Estimator,
 
+    /// How the dense estimator works: best for measurement, fast for robots
+    #[arg(long, value_enum, default_value = "best")]
+    pub(crate) preset: Preset,
+
+    /// Largest disparity that the dense estimator tries, x_left - x_right in pixels, or auto: what
+    /// the vector pyramid sees
+    #[arg(long, value_name = "N|auto", default_value = "auto", value_parser = most_disparity, allow_negative_numbers = true)]
+    pub(crate) max_disparity: MostDisparity,
+
+    /// Least disparity that the dense estimator tries; negative for what lies beyond the point that
+    /// converging eyes fixate [default: 0, or with --max-disparity auto what the pyramid sees]
+    #[arg(long, value_name = "N", value_parser = pixels, allow_negative_numbers = true)]
+    pub(crate) min_disparity: Option<i32>,
+
+    /// Align the right picture's rows with the left one's before the dense estimator looks, by what
+    /// the vector pyramid sees: for a rig whose calibration is missing or cannot be trusted
+    #[arg(long, value_enum, default_value = "none")]
+    pub(crate) rectify: Rectify,
+
     /// Write the best guess where the disparity is unknown; depth and objects never rest on
     /// guesses
     #[arg(long)]
@@ -77,6 +96,35 @@ pub(crate) struct LookArguments {
 pub(crate) enum Estimator {
     /// The paper's vector pyramid: dx and dy, nothing assumed of the rig
     Vector,
+    /// A disparity at every pixel of a rectified pair, dx alone
+    Dense,
+}
+
+/// A parameter set of the dense estimator.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Preset {
+    /// For robots: a rougher cost, one aggregation
+    Fast,
+    /// For measurement: every ingredient
+    Best,
+}
+
+/// Whether rows are aligned first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Rectify {
+    /// The pair is rectified
+    None,
+    /// One line a row, fitted to the vertical disparities
+    Auto,
+}
+
+/// The far end of the dense estimator's search.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum MostDisparity {
+    /// What the vector pyramid sees.
+    Auto,
+    /// This, in pixels.
+    Px(i32),
 }
 
 const EXAMPLES: &str = "\
@@ -93,6 +141,8 @@ Files written:
 
 Examples:
   dorsal look left.png right.png --out out --dense
+  dorsal look left.png right.png --out out --estimator dense --max-disparity 64
+  dorsal look left.png right.png --out out --estimator dense --rectify auto
   dorsal look left.png right.png --out out --rig rig.toml --scales 7 --zero-disparity 40
   dorsal look left.png right.png --out out --rig rig.toml --labels labels.png --names names.toml
 
@@ -106,6 +156,13 @@ A rig.toml reads:
 impl LookArguments {
     /// What no single argument has wrong, but two of them together.
     pub(crate) fn conflict(&self) -> Option<String> {
+        if let (MostDisparity::Px(most), Some(least)) = (self.max_disparity, self.min_disparity)
+            && least > most
+        {
+            return Some(format!(
+                "no disparity lies between --min-disparity {least} and --max-disparity {most}"
+            ));
+        }
         let outlines = self.labels.as_deref().is_some_and(is_toml);
         (outlines && self.names.is_some()).then(|| {
             "a TOML file of outlines given with --labels names its objects itself; \
@@ -125,6 +182,23 @@ fn scales(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(scales @ 1..=32) => Ok(scales),
         _ => Err("a whole number from 1 to 32 is needed".to_owned()),
+    }
+}
+
+fn most_disparity(text: &str) -> Result<MostDisparity, String> {
+    if text == "auto" {
+        return Ok(MostDisparity::Auto);
+    }
+    match pixels(text) {
+        Ok(px) => Ok(MostDisparity::Px(px)),
+        Err(need) => Err(format!("{need}, or auto")),
+    }
+}
+
+fn pixels(text: &str) -> Result<i32, String> {
+    match text.parse() {
+        Ok(px @ -8000..=8000) => Ok(px),
+        _ => Err("a whole number of pixels from -8000 to 8000 is needed".to_owned()),
     }
 }
 

@@ -1,5 +1,8 @@
-use dorsal::disparity_pyramid::{DisparityField, MatchParams, MedianRadius, Validity};
+use dorsal::disparity_pyramid::{
+    Acuity, Cost, DisparityField, LookBack, MatchParams, MedianRadius, Validity,
+};
 use dorsal::v1_gabor::GaborParams;
+use dorsal::{DenseLook, Estimator};
 use serde::Serialize;
 use stereo_formats::file_sign;
 
@@ -20,6 +23,9 @@ pub(crate) struct LookRecord {
     pub(crate) dense: bool,
     gabor: Filters,
     matching: Matching,
+    /// How the dense estimator matched, if it did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    dense_matching: Option<DenseMatching>,
     reference: Option<String>,
     /// The part of the pixels that are valid.
     density: f64,
@@ -70,6 +76,23 @@ struct Matching {
 }
 
 #[derive(Debug, Serialize)]
+struct DenseMatching {
+    cost: &'static str,
+    silent_energy: f32,
+    colour: bool,
+    small_step: f32,
+    large_step: f32,
+    edge_softness: f32,
+    look_back: &'static str,
+    left_right_px: f32,
+    least_patch: usize,
+    votes: usize,
+    median: bool,
+    acuity: &'static str,
+    surface_radius: usize,
+}
+
+#[derive(Debug, Serialize)]
 struct Counts {
     valid: usize,
     no_energy: usize,
@@ -107,8 +130,12 @@ impl LookRecord {
             inputs,
             width: field.size().width,
             height: field.size().height,
-            estimator: "vector",
+            estimator: match plan.estimator {
+                Estimator::Vector => "vector",
+                Estimator::Dense(_) => "dense",
+            },
             dense,
+            dense_matching: DenseMatching::of(&plan.estimator),
             gabor: Filters::of(&plan.gabor),
             matching: Matching::of(&plan.matching),
             reference: sight
@@ -163,6 +190,39 @@ impl Matching {
             vertical_prior: params.vertical_prior,
             left_right_px: params.left_right_px,
         }
+    }
+}
+
+impl DenseMatching {
+    fn of(estimator: &Estimator) -> Option<Self> {
+        let Estimator::Dense(DenseLook { params, .. }) = estimator else {
+            return None;
+        };
+        Some(Self {
+            cost: match params.cost {
+                Cost::PhaseAgreement => "phase agreement",
+                Cost::PhaseQuadrants => "phase quadrants",
+            },
+            silent_energy: params.silent_energy,
+            colour: params.colour,
+            small_step: params.small_step,
+            large_step: params.large_step,
+            edge_softness: params.edge_softness,
+            look_back: match params.look_back {
+                LookBack::OwnPaths => "own paths",
+                LookBack::SamePaths => "same paths",
+            },
+            left_right_px: params.left_right_px,
+            least_patch: params.least_patch,
+            votes: params.votes,
+            median: params.median,
+            acuity: match params.acuity {
+                Acuity::Parabola => "parabola",
+                Acuity::CostBank => "cost bank",
+                Acuity::TwoBanks => "two banks",
+            },
+            surface_radius: params.surface_radius,
+        })
     }
 }
 

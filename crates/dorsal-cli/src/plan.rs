@@ -1,9 +1,9 @@
 use anyhow::Context as _;
 use dorsal::allocentric_qsr::{DepthReference, Inference, Mode, QualifyParams, QualitativeScene};
-use dorsal::disparity_pyramid::{MatchParams, estimate};
+use dorsal::disparity_pyramid::{DisparityField, EyeView, MatchParams, RowAlignment, estimate};
 use dorsal::egocentric_depth::{LocateParams, Reach, StereoRig, locate, triangulate};
-use dorsal::sightings;
 use dorsal::v1_gabor::{Binocular, FilterBank, GaborParams};
+use dorsal::{DenseLook, Estimator, sightings};
 use stereo_formats::picture::Picture;
 
 use crate::console::Console;
@@ -14,6 +14,7 @@ use crate::times::Times;
 /// How to look: the parameters of every level, and what is known of the eyes and the objects.
 #[derive(Debug)]
 pub(crate) struct Plan {
+    pub(crate) estimator: Estimator,
     pub(crate) gabor: GaborParams,
     pub(crate) matching: MatchParams,
     pub(crate) rig: Option<StereoRig>,
@@ -35,19 +36,10 @@ impl Plan {
         times: &mut Times,
         console: &Console,
     ) -> anyhow::Result<Sight> {
-        console.step("filtering what the eyes see");
-        let responses = times.measure("responses", || {
-            let bank = FilterBank::plan(self.gabor, eyes.left.size())?;
-            let responses = eyes.as_ref().try_map(|eye| bank.respond(eye.luma()))?;
-            anyhow::Ok(responses)
-        });
-        let responses = responses.context("the pictures cannot be filtered")?;
-
-        console.step("matching the eyes");
-        let disparity = times
-            .measure("disparity", || estimate(&responses, self.matching))
-            .context("the eyes cannot be matched")?;
-        drop(responses);
+        let disparity = match self.estimator {
+            Estimator::Vector => self.vector(eyes, times, console)?,
+            Estimator::Dense(dense) => self.dense(dense, eyes, times, console)?,
+        };
 
         console.step("triangulating");
         let depth = self
@@ -76,6 +68,72 @@ impl Plan {
             depth,
             scene: scene.transpose().context("the objects cannot be placed")?,
         })
+    }
+
+    /// The vector pyramid's disparity.
+    fn vector(
+        &self,
+        eyes: &Binocular<Picture>,
+        times: &mut Times,
+        console: &Console,
+    ) -> anyhow::Result<DisparityField> {
+        console.step("filtering what the eyes see");
+        let responses = times.measure("responses", || {
+            let bank = FilterBank::plan(self.gabor, eyes.left.size())?;
+            let responses = eyes.as_ref().try_map(|eye| bank.respond(eye.luma()))?;
+            anyhow::Ok(responses)
+        });
+        let responses = responses.context("the pictures cannot be filtered")?;
+
+        console.step("matching the eyes");
+        times
+            .measure("disparity", || estimate(&responses, self.matching))
+            .context("the eyes cannot be matched")
+    }
+
+    /// The dense estimator's disparity.
+    fn dense(
+        &self,
+        dense: DenseLook,
+        eyes: &Binocular<Picture>,
+        times: &mut Times,
+        console: &Console,
+    ) -> anyhow::Result<DisparityField> {
+        let size = eyes.left.size();
+        let views = eyes.as_ref().map(|eye| EyeView {
+            luma: eye.luma(),
+            rgb: Some(eye.rgb()),
+        });
+        console.step("finding the range of disparities");
+        let preparation = times.measure("preparation", || {
+            let bank = FilterBank::plan(self.gabor, size)?;
+            anyhow::Ok(dense.prepare(&views, &bank, self.matching)?)
+        });
+        let preparation = preparation.context("the dense estimator cannot be prepared")?;
+        let search = preparation.search;
+        console.note(&format!(
+            "disparities from {} to {} px are tried",
+            -search.most_dx(),
+            -search.least_dx()
+        ));
+        if let Some(rows) = &preparation.rows {
+            let residual_px = rows.residual_px();
+            console.note(&format!(
+                "rows aligned; a vertical disparity of {residual_px:.2} px is left (RMS)"
+            ));
+            if residual_px > RowAlignment::MOST_RESIDUAL_PX {
+                console.note(&format!(
+                    "that is more than {} px: a line a row does not describe this rig, and \
+                     matches will be missed",
+                    RowAlignment::MOST_RESIDUAL_PX
+                ));
+            }
+        }
+
+        console.step("matching the eyes");
+        times
+            .measure("disparity", || dense.look(&views, &preparation))
+            .context("the eyes cannot be matched")
     }
 
     /// The depths that the scales can tell with the rig; `None` without a rig, or if there are

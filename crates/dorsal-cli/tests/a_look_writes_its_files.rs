@@ -93,6 +93,31 @@ fn dense_leaves_nothing_unknown() {
 }
 
 #[test]
+fn the_dense_estimator_finds_its_range_or_takes_it() {
+    let pair = Pair::new();
+    for range in [
+        &["--preset", "best"][..],
+        &["--max-disparity", "20", "--preset", "fast"],
+    ] {
+        let said = pair.look(&[&["--estimator", "dense"], range].concat());
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        assert!(said.err.contains("px are tried"), "{}", said.err);
+        let d = pfm::read(pair.path("out/disparity.pfm")).expect("a PFM");
+        // The first D columns of the left picture are not in the right one.
+        let seen = d.slice(ndarray::s![.., 10..]);
+        let right = seen.iter().filter(|d| (**d - D).abs() < 0.1).count();
+        assert!(
+            right as f64 > 0.98 * seen.len() as f64,
+            "{right} of {}",
+            seen.len()
+        );
+        let look = json(&pair, "out/look.json");
+        assert_eq!(look["estimator"], "dense");
+        assert!(look["dense_matching"]["look_back"].is_string());
+    }
+}
+
+#[test]
 fn depth_and_relations() {
     let pair = Pair::new();
     // Two posters on the wall, and one mark too small to be placed.

@@ -31,6 +31,12 @@ fn values_are_checked_before_any_work() {
         ("--zero-disparity nan", "a finite number"),
         ("--threads 0", "--threads"),
         ("--estimator magic", "vector"),
+        ("--max-disparity far", "or auto"),
+        ("--min-disparity 9999", "from -8000 to 8000"),
+        (
+            "--max-disparity 3 --min-disparity 4",
+            "no disparity lies between",
+        ),
     ] {
         let line = format!("look l.png r.png --out o {argument}");
         // A leading minus looks like an argument to the parser, so the value is joined.

@@ -1,9 +1,9 @@
 use allocentric_qsr::{DepthReference, QualifyParams, QualitativeScene};
-use disparity_pyramid::{MatchParams, estimate};
+use disparity_pyramid::{EyeView, MatchParams, estimate};
 use egocentric_depth::{LabelImage, LocateParams, StereoRig, locate, triangulate};
 use v1_gabor::{Binocular, FilterBank, LumaImage};
 
-use crate::{Error, Names, Percept, sightings};
+use crate::{Error, Estimator, Names, Percept, sightings};
 
 /// The dorsal stream: everything a look needs that is the same from one look to the next.
 ///
@@ -14,6 +14,8 @@ pub struct Dorsal {
     pub bank: FilterBank,
     /// How level 2 matches the eyes.
     pub matching: MatchParams,
+    /// Which estimator of level 2 looks.
+    pub estimator: Estimator,
     /// Where the eyes are and which way they look.
     pub rig: StereoRig,
     /// What level 3 asks of an object.
@@ -38,8 +40,16 @@ impl Dorsal {
         labels: &LabelImage,
         names: &Names,
     ) -> Result<Percept, Error> {
-        let responses = eyes.as_ref().try_map(|eye| self.bank.respond(eye))?;
-        let disparity = estimate(&responses, self.matching)?;
+        let disparity = match self.estimator {
+            Estimator::Vector => {
+                let responses = eyes.as_ref().try_map(|eye| self.bank.respond(eye))?;
+                estimate(&responses, self.matching)?
+            }
+            Estimator::Dense(dense) => {
+                let views = eyes.as_ref().map(EyeView::grey);
+                dense.disparity(&views, &self.bank, self.matching)?
+            }
+        };
         let depth = triangulate(&disparity, &self.rig);
         let egocentric = locate(&depth, labels, &self.rig, &self.locating)?;
         let qualitative = QualitativeScene::qualify_with(

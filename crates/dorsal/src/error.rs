@@ -1,5 +1,5 @@
 use allocentric_qsr::BadSighting;
-use disparity_pyramid::Mismatch;
+use disparity_pyramid::{BadDense, BadRange, Mismatch, WrongView};
 use egocentric_depth::NotLocatable;
 use v1_gabor::WrongSize;
 
@@ -12,6 +12,27 @@ pub enum Error {
     /// Level 2: the eyes cannot be matched.
     #[error(transparent)]
     Disparity(#[from] Mismatch),
+    /// Level 2: the dense estimator cannot be planned.
+    #[error(transparent)]
+    Dense(#[from] BadDense),
+    /// Level 2: a picture does not fit the dense estimator.
+    #[error(transparent)]
+    View(#[from] WrongView),
+    /// Level 2: the shifts to try are no range.
+    #[error(transparent)]
+    Range(#[from] BadRange),
+    /// Level 2: the vector pyramid sees nothing from which a search could be taken.
+    #[error(
+        "no disparity is valid, so no search can be found; give one, or more scales and a start \
+         nearer to what is seen"
+    )]
+    NoSearch,
+    /// Level 2: the vector pyramid sees too little for the rows to be aligned.
+    #[error(
+        "too few disparities are valid for the rows to be aligned; more scales or a start nearer to \
+         what is seen may help"
+    )]
+    NoAlignment,
     /// Level 3: the labels do not belong to the depth map.
     #[error(transparent)]
     Depth(#[from] NotLocatable),

@@ -13,7 +13,7 @@
 //!     AllocentricMap, DepthReference, GroundPose, MemoryParams, PoseKnowledge, QualifyParams,
 //!     RobotPose, SceneMemory,
 //! };
-//! use dorsal::{Dorsal, Stand};
+//! use dorsal::{Dorsal, Estimator, Stand};
 //! use dorsal::disparity_pyramid::MatchParams;
 //! use dorsal::egocentric_depth::{CameraIntrinsics, LabelImage, LocateParams, StereoRig};
 //! use dorsal::v1_gabor::{Binocular, FilterBank, GaborParams, LumaImage, Size};
@@ -36,6 +36,7 @@
 //! let dorsal = Dorsal {
 //!     bank: FilterBank::plan(GaborParams::default().fitted_to(size), size)?,
 //!     matching: MatchParams { zero_disparity_px: (-16.0, 0.0), ..MatchParams::default() },
+//!     estimator: Estimator::Vector,
 //!     rig: StereoRig::parallel(Binocular { left: camera, right: camera }, 0.1)?,
 //!     locating: LocateParams::default(),
 //!     reference: DepthReference::robot_120(),
@@ -71,6 +72,7 @@
 mod depth_evidence;
 mod dorsal;
 mod error;
+mod estimator;
 mod observations;
 mod percept;
 mod remember;
@@ -84,6 +86,7 @@ pub use v1_gabor;
 pub use depth_evidence::DepthEvidence;
 pub use dorsal::Dorsal;
 pub use error::Error;
+pub use estimator::{DenseLook, Estimator, Preparation, Search};
 pub use observations::{observations, radius_m};
 pub use percept::Percept;
 pub use remember::Stand;

@@ -128,17 +128,19 @@ impl StereoScene {
         })
     }
 
+    /// The files of the pictures of both eyes.
+    #[must_use]
+    pub fn eye_paths(&self) -> Binocular<PathBuf> {
+        let eyes = self.description.files.eyes.as_ref();
+        eyes.map(|file| self.path(file))
+    }
+
     /// The pictures of both eyes.
     ///
     /// # Errors
     /// [`SceneBroken`] if one is not read or has another size than the scene says.
     pub fn pair(&self) -> Result<Binocular<Picture>, SceneBroken> {
-        let paths = self
-            .description
-            .files
-            .eyes
-            .as_ref()
-            .map(|file| self.path(file));
+        let paths = self.eye_paths();
         let pair = picture::read_pair(paths.as_ref().map(PathBuf::as_path))?;
         // Both have one size by now.
         self.sized(paths.left, pair.left.size())?;

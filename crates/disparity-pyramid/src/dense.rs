@@ -1,0 +1,45 @@
+//! The dense epipolar estimator: a disparity at every pixel of a rectified pair, from the same
+//! responses.
+//!
+//! Each file is one ingredient; [`DenseMatcher::estimate`](crate::DenseMatcher::estimate) puts them
+//! together, in this order:
+//! 1. the cost of every shift at every pixel: phase agreement, or the phases' quadrants;
+//! 2. four paths a pixel gather costs along rows and columns, and the least sum wins;
+//! 3. the other eye looks back; small patches are dropped;
+//! 4. what has no answer is filled: by vote on its surface, from what lies behind, from around;
+//! 5. a median;
+//! 6. hyperacuity: the phases that remain move the shift by less than a pixel;
+//! 7. surface cells: a slanted plane about each pixel;
+//! 8. confidence.
+mod aggregate;
+mod confidence;
+mod cross_arms;
+mod dense_matcher;
+mod dense_params;
+mod eye_view;
+mod fill;
+mod guide;
+mod hyperacuity;
+mod local_range;
+mod look_back;
+mod padding;
+mod partial_field;
+mod path_step;
+mod phase_agreement;
+mod phase_quadrants;
+mod pixel_cost;
+mod row_alignment;
+mod search_range;
+mod slanted_cells;
+mod speckles;
+mod step_penalty;
+mod strip;
+mod voting;
+mod wide;
+mod winner;
+
+pub use dense_matcher::{BadDense, DenseMatcher, WrongView};
+pub use dense_params::{Acuity, BadDenseParam, Cost, DenseParams, LookBack};
+pub use eye_view::EyeView;
+pub use row_alignment::RowAlignment;
+pub use search_range::{BadRange, SearchRange};

@@ -1,0 +1,355 @@
+use ndarray::{Array2, Axis, Zip};
+use v1_gabor::{
+    BadParams, Binocular, FilterBank, GaborParams, Responses, Size, V1Responses, WaveVector,
+};
+
+use crate::dense::aggregate::{Winners, aggregate};
+use crate::dense::confidence::{Evidence, confidence};
+use crate::dense::cross_arms::CrossArms;
+use crate::dense::dense_params::{Acuity, BadDenseParam, Cost, DenseParams, LookBack};
+use crate::dense::eye_view::EyeView;
+use crate::dense::fill::fill;
+use crate::dense::guide::Guide;
+use crate::dense::hyperacuity::{Band, sharpen};
+use crate::dense::local_range::local_range;
+use crate::dense::look_back::look_back;
+use crate::dense::partial_field::PartialField;
+use crate::dense::phase_agreement::{COST_ORIENTATIONS, PhaseAgreement};
+use crate::dense::phase_quadrants::PhaseQuadrants;
+use crate::dense::pixel_cost::PixelCost;
+use crate::dense::search_range::SearchRange;
+use crate::dense::slanted_cells::fit_surfaces;
+use crate::dense::speckles::reject_speckles;
+use crate::dense::step_penalty::StepPenalty;
+use crate::dense::strip::Ground;
+use crate::dense::voting::vote;
+use crate::median::median_of_known;
+use crate::{DisparityField, MedianRadius, Validity};
+
+/// The dense epipolar estimator, planned for images of one size: a disparity at every pixel of a
+/// rectified pair.
+///
+/// ```
+/// use disparity_pyramid::{DenseMatcher, DenseParams, EyeView, SearchRange};
+/// use ndarray::Array2;
+/// use v1_gabor::{Binocular, LumaImage, Size};
+///
+/// let size = Size { width: 96, height: 64 };
+/// let texture = |x: f32, y: f32| -> f32 {
+///     let wave = |i: f32| (0.15 + 0.12 * i) * (x * (2.4 * i).cos() + y * (2.4 * i).sin());
+///     (0..16u8).map(|i| wave(f32::from(i)).sin()).sum()
+/// };
+/// let image = |dx: f32| {
+///     LumaImage::new(Array2::from_shape_fn(size.dim(), |(y, x)| {
+///         0.5 + 0.05 * texture(x as f32 - dx, y as f32)
+///     }))
+/// };
+/// // The right eye sees everything 7.25 px further left.
+/// let (left, right) = (image(0.0)?, image(-7.25)?);
+///
+/// let matcher = DenseMatcher::plan(DenseParams::best(), size)?;
+/// let eyes = Binocular { left: EyeView::grey(&left), right: EyeView::grey(&right) };
+/// let field = matcher.estimate(&eyes, SearchRange::new(-15, 0)?)?;
+///
+/// let found = field.at(48, 32).expect("a textured place that both eyes see");
+/// assert!((found.dx + 7.25).abs() < 0.05);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct DenseMatcher {
+    params: DenseParams,
+    size: Size,
+    /// What the cost is taken from.
+    cost_bank: FilterBank,
+    /// The banks of hyperacuity that are not the cost's own.
+    acuity_banks: Vec<FilterBank>,
+}
+
+/// Why no dense estimator can be planned.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum BadDense {
+    /// A parameter cannot be.
+    #[error(transparent)]
+    Param(#[from] BadDenseParam),
+    /// Level 1 has no bank for images of this size.
+    #[error(transparent)]
+    Bank(#[from] BadParams),
+}
+
+/// A picture of another size than the estimator was planned for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("this estimator was planned for pictures of {planned}, and {which} has {given}")]
+pub struct WrongView {
+    /// Size the estimator was planned for.
+    pub planned: Size,
+    /// Which picture differs.
+    pub which: &'static str,
+    /// Its size.
+    pub given: Size,
+}
+
+impl DenseMatcher {
+    /// Plans the estimator for images of one size.
+    ///
+    /// # Errors
+    /// [`BadDense`] if a parameter cannot be, or the image has no pixel.
+    pub fn plan(params: DenseParams, size: Size) -> Result<Self, BadDense> {
+        params.check()?;
+        let acuity = match params.acuity {
+            Acuity::Parabola | Acuity::CostBank => Vec::new(),
+            Acuity::TwoBanks => vec![bank(8, 1.5, 3), bank(8, 2.27, 5)],
+        };
+        let plan = |params| FilterBank::plan(params, size);
+        Ok(Self {
+            params,
+            size,
+            cost_bank: plan(bank(COST_ORIENTATIONS, 1.5, 3))?,
+            acuity_banks: acuity.into_iter().map(plan).collect::<Result<_, _>>()?,
+        })
+    }
+
+    /// The parameters it was planned with.
+    #[must_use]
+    pub const fn params(&self) -> DenseParams {
+        self.params
+    }
+
+    /// The disparity of every pixel of the left image.
+    ///
+    /// Rows must correspond (a rectified pair); `dy` is 0 everywhere. Shifts that would leave the
+    /// image from every pixel are not tried. A pixel that is not valid carries what surrounds it,
+    /// or what lies behind it where only the left eye sees it.
+    ///
+    /// # Errors
+    /// [`WrongView`] if a picture has another size than planned.
+    pub fn estimate(
+        &self,
+        eyes: &Binocular<EyeView<'_>>,
+        search: SearchRange,
+    ) -> Result<DisparityField, WrongView> {
+        self.check(eyes)?;
+        let search = search.within(self.size.width);
+        let guides = eyes.map(|eye| Guide::of(&eye, self.params.colour));
+        let responses = eyes.try_map(|eye| respond(&self.cost_bank, &eye))?;
+        let planes = responses.as_ref().map(finest);
+        // The responses themselves are large: only hyperacuity may need them once more.
+        let (winners, other_dx, responses) = match self.params.cost {
+            Cost::PhaseAgreement => {
+                let cost = PhaseAgreement::new(planes, self.params.silent_energy, search);
+                let responses = self.kept_for_acuity(responses);
+                let (winners, other_dx) = self.compete(&cost, &guides, search);
+                (winners, other_dx, responses)
+            }
+            Cost::PhaseQuadrants => {
+                let cost = PhaseQuadrants::new(planes, search);
+                let responses = self.kept_for_acuity(responses);
+                let (winners, other_dx) = self.compete(&cost, &guides, search);
+                (winners, other_dx, responses)
+            }
+        };
+        let Winners { dx, margin, .. } = winners;
+        let validity = self.judge(&dx, &margin, &other_dx, search);
+        drop(other_dx);
+        let PartialField {
+            mut dx, validity, ..
+        } = self.complete(dx, validity, &guides.left, search);
+
+        let ranges = local_range(dx.view());
+        let steady = validity.mapv(Validity::is_valid);
+        let coherence = match (self.params.acuity, responses) {
+            (Acuity::Parabola, _) => Array2::zeros(dx.dim()),
+            (_, Some(own)) => {
+                let own = [(&self.cost_bank, own)];
+                sharpen_with(&own, &mut dx, &ranges, &steady)
+            }
+            (_, None) => {
+                let mut banks = Vec::new();
+                for bank in &self.acuity_banks {
+                    banks.push((bank, eyes.try_map(|eye| respond(bank, &eye))?));
+                }
+                sharpen_with(&banks, &mut dx, &ranges, &steady)
+            }
+        };
+        let moved = self.smooth_surfaces(&mut dx, &steady, &coherence, &guides.left);
+        let confidence = confidence(Evidence {
+            validity: validity.view(),
+            coherence: coherence.view(),
+            margin: margin.view(),
+            range: ranges.view(),
+            moved: moved.view(),
+        });
+        let dy = Array2::zeros(dx.dim());
+        Ok(DisparityField::trusted(dx, dy, confidence, validity))
+    }
+
+    fn check(&self, eyes: &Binocular<EyeView<'_>>) -> Result<(), WrongView> {
+        let colours = |eye: &EyeView<'_>| eye.rgb.map_or(self.size, |rgb| Size::of_dim(rgb.dim()));
+        let sizes = [
+            ("the left luma", eyes.left.luma.size()),
+            ("the right luma", eyes.right.luma.size()),
+            ("the left colour", colours(&eyes.left)),
+            ("the right colour", colours(&eyes.right)),
+        ];
+        match sizes.into_iter().find(|(_, size)| *size != self.size) {
+            Some((which, given)) => Err(WrongView {
+                planned: self.size,
+                which,
+                given,
+            }),
+            None => Ok(()),
+        }
+    }
+
+    /// The responses, if hyperacuity reads those that the cost was made of.
+    fn kept_for_acuity(&self, responses: Binocular<V1Responses>) -> Option<Binocular<V1Responses>> {
+        (self.params.acuity == Acuity::CostBank).then_some(responses)
+    }
+
+    /// The winning shifts of the left eye, and the right eye's own for the look back.
+    fn compete<C: PixelCost>(
+        &self,
+        cost: &C,
+        guides: &Binocular<Guide>,
+        search: SearchRange,
+    ) -> (Winners, Array2<f32>) {
+        let penalty = StepPenalty::new(&self.params);
+        let ground = Ground {
+            cost,
+            guide: &guides.left,
+            penalty: &penalty,
+            shifts: search.shifts(),
+        };
+        let own_paths = self.params.look_back == LookBack::OwnPaths;
+        let mut winners = aggregate(ground, search, !own_paths);
+        let other_dx = match winners.other_dx.take() {
+            Some(told) => told,
+            None => {
+                let ground = Ground {
+                    cost: &cost.seen_by_the_other_eye(),
+                    guide: &guides.right.mirrored(),
+                    ..ground
+                };
+                let mut mirrored = aggregate(ground, search, false).dx;
+                mirrored.invert_axis(Axis(1));
+                mirrored
+            }
+        };
+        (winners, other_dx)
+    }
+
+    /// Which winners are answers: those that the other eye confirms, in patches of some size. Where
+    /// no shift is better than another there is nothing to see.
+    fn judge(
+        &self,
+        dx: &Array2<f32>,
+        margin: &Array2<i16>,
+        other_dx: &Array2<f32>,
+        search: SearchRange,
+    ) -> Array2<Validity> {
+        let tolerance_px = self.params.left_right_px;
+        let mut validity = look_back(dx.view(), other_dx.view(), tolerance_px, search);
+        Zip::from(&mut validity)
+            .and(margin)
+            .for_each(|validity, margin| {
+                if *margin == 0 {
+                    *validity = Validity::NoEnergy;
+                }
+            });
+        reject_speckles(dx.view(), &mut validity, self.params.least_patch);
+        validity
+    }
+
+    /// A shift for every pixel, from those that are answers.
+    fn complete(
+        &self,
+        dx: Array2<f32>,
+        validity: Array2<Validity>,
+        guide: &Guide,
+        search: SearchRange,
+    ) -> PartialField {
+        let mut field = PartialField::new(dx, validity);
+        if self.params.votes > 0 {
+            let arms = CrossArms::of(guide);
+            for _ in 0..self.params.votes {
+                vote(&mut field, &arms, search);
+            }
+        }
+        // Where nothing at all is known, the shift that says least.
+        let otherwise = 0.clamp(search.least_dx(), search.most_dx()) as f32;
+        field.dx = fill(&field, otherwise);
+        if self.params.median {
+            field.dx = median_of_known(field.dx.view(), MedianRadius::Two);
+        }
+        field
+    }
+
+    /// Fits surface cells; returns how far each shift moved.
+    fn smooth_surfaces(
+        &self,
+        dx: &mut Array2<f32>,
+        steady: &Array2<bool>,
+        coherence: &Array2<f32>,
+        guide: &Guide,
+    ) -> Array2<f32> {
+        /// How much a filled shift counts, against one that is an answer without any coherence.
+        const FILLED: f32 = 0.2;
+        if self.params.surface_radius == 0 {
+            return Array2::zeros(dx.dim());
+        }
+        let trust = Zip::from(steady)
+            .and(coherence)
+            .map_collect(|steady, coherence| {
+                let found = if *steady { 1.0 } else { FILLED };
+                found * (0.5 + 0.5 * coherence.clamp(0.0, 1.0))
+            });
+        fit_surfaces(dx, trust.view(), guide, self.params.surface_radius)
+    }
+}
+
+fn respond(bank: &FilterBank, eye: &EyeView<'_>) -> Result<V1Responses, WrongView> {
+    bank.respond(eye.luma).map_err(|wrong| WrongView {
+        planned: wrong.planned,
+        which: "a luma",
+        given: wrong.given,
+    })
+}
+
+fn finest(responses: &V1Responses) -> &Responses {
+    &responses.scales()[0]
+}
+
+/// Hyperacuity by the responses of these banks.
+fn sharpen_with(
+    banks: &[(&FilterBank, Binocular<V1Responses>)],
+    dx: &mut Array2<f32>,
+    ranges: &Array2<f32>,
+    steady: &Array2<bool>,
+) -> Array2<f32> {
+    let waves = banks.iter().map(|(bank, _)| bank.params().wave_vectors());
+    let waves: Vec<Vec<WaveVector>> = waves.collect();
+    let bands = banks
+        .iter()
+        .zip(&waves)
+        .map(|((_, responses), waves)| Band {
+            eyes: responses.as_ref().map(finest),
+            waves,
+        });
+    let bands: Vec<Band<'_>> = bands.collect();
+    sharpen(dx, &bands, ranges.view(), steady.view())
+}
+
+/// One scale of Gabor filters at `pi / 2` rad/px with an envelope of this width.
+fn bank(orientations: usize, sigma_px: f32, radius: usize) -> GaborParams {
+    let params = GaborParams {
+        orientations,
+        scales: 1,
+        radius,
+        ..GaborParams::default()
+    };
+    // GaborParams::sigma_px solved for the bandwidth.
+    let ratio = sigma_px * params.peak_frequency / (2.0 * 2.0f32.ln()).sqrt();
+    GaborParams {
+        bandwidth: ((ratio + 1.0) / (ratio - 1.0)).log2(),
+        ..params
+    }
+}

@@ -1,0 +1,181 @@
+use crate::dense::path_step::MOST_PENALTY;
+
+/// How the dense estimator works, one field an ingredient. The default is [`DenseParams::best`].
+///
+/// Costs are in units of the phase agreement: 0 where all orientations agree in phase, 1 where they
+/// say nothing, 2 where all are opposed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DenseParams {
+    /// What is compared at a pixel and a shift.
+    pub cost: Cost,
+    /// Energy (squared modulus, for images in `[0, 1]`) at which a response counts half: contrast
+    /// below it fades out of the cost. `1e-3` ruins weak texture.
+    pub silent_energy: f32,
+    /// Whether surfaces may end where the colour changes, or only where the luma does.
+    pub colour: bool,
+    /// What a path pays for a step of one pixel in shift: more makes slanted surfaces smoother, and
+    /// in the end flat.
+    pub small_step: f32,
+    /// What a path pays for any larger step where the picture is smooth: more keeps surfaces
+    /// together, and in the end joins them.
+    pub large_step: f32,
+    /// The step of the picture, in parts of the whole range of grey, at which a larger step of the
+    /// shift costs a third: depth may end where colour does.
+    pub edge_softness: f32,
+    /// How the other eye's shifts are found for the look back.
+    pub look_back: LookBack,
+    /// How far the look back may miss, in pixels.
+    pub left_right_px: f32,
+    /// Patches of consistent shifts of fewer pixels than this are taken for chance; 0 keeps all.
+    pub least_patch: usize,
+    /// Rounds in which pixels without an answer take the shift that most of their surface has; 0
+    /// asks no neighbour.
+    pub votes: usize,
+    /// Whether a 5 x 5 median smooths the filled field.
+    pub median: bool,
+    /// Which responses' phases refine the shift beyond the parabola through its costs (hyperacuity).
+    pub acuity: Acuity,
+    /// Half-width in pixels of the surface cells that fit a slanted plane about each pixel; 0 fits
+    /// none.
+    pub surface_radius: usize,
+}
+
+/// What is compared at a pixel and a shift.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cost {
+    /// The agreement of the normalised responses: the energy of position-shifted binocular cells.
+    PhaseAgreement,
+    /// Only the quadrants of the phases, two bits an orientation: a byte a pixel, compared by
+    /// counting the bits that differ.
+    PhaseQuadrants,
+}
+
+/// How the other eye's shifts are found for the look back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LookBack {
+    /// By an aggregation of its own, along the surfaces that it sees: twice the time.
+    OwnPaths,
+    /// From the sums of the left eye's paths.
+    SamePaths,
+}
+
+/// Which responses' phases refine the shift.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Acuity {
+    /// None: the parabola through the three best costs stands.
+    Parabola,
+    /// The responses that the cost is made of, four orientations of 7 taps.
+    CostBank,
+    /// Two banks of eight orientations, of 7 and of 11 taps.
+    TwoBanks,
+}
+
+impl DenseParams {
+    /// For measurement: every ingredient.
+    #[must_use]
+    pub const fn best() -> Self {
+        Self {
+            cost: Cost::PhaseAgreement,
+            silent_energy: 3e-7,
+            colour: true,
+            small_step: 1.0,
+            large_step: 16.0,
+            edge_softness: 0.03,
+            look_back: LookBack::OwnPaths,
+            left_right_px: 1.0,
+            least_patch: 30,
+            votes: 3,
+            median: true,
+            acuity: Acuity::TwoBanks,
+            surface_radius: 13,
+        }
+    }
+
+    /// For robots: the quadrants of the phases, one aggregation for both eyes, one bank for
+    /// hyperacuity.
+    #[must_use]
+    pub const fn fast() -> Self {
+        Self {
+            cost: Cost::PhaseQuadrants,
+            colour: false,
+            look_back: LookBack::SamePaths,
+            votes: 0,
+            acuity: Acuity::CostBank,
+            surface_radius: 0,
+            ..Self::best()
+        }
+    }
+}
+
+/// A parameter of the dense estimator that cannot be.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("{name} = {value} cannot be: {need}")]
+pub struct BadDenseParam {
+    /// Name of the field of [`DenseParams`].
+    pub name: &'static str,
+    /// Its value.
+    pub value: f32,
+    /// What it must be.
+    pub need: &'static str,
+}
+
+impl DenseParams {
+    /// Checks what the fields promise.
+    pub(crate) fn check(&self) -> Result<(), BadDenseParam> {
+        let within = |name, value: f32, least: f32, most: f32, need| {
+            if (least..=most).contains(&value) {
+                Ok(())
+            } else {
+                Err(BadDenseParam { name, value, need })
+            }
+        };
+        within(
+            "silent_energy",
+            self.silent_energy,
+            0.0,
+            f32::MAX,
+            "not negative, and finite",
+        )?;
+        within(
+            "small_step",
+            self.small_step,
+            0.0,
+            MOST_PENALTY,
+            "from 0 to 50",
+        )?;
+        within(
+            "large_step",
+            self.large_step,
+            0.0,
+            MOST_PENALTY,
+            "from 0 to 50",
+        )?;
+        within(
+            "edge_softness",
+            self.edge_softness,
+            f32::MIN_POSITIVE,
+            f32::MAX,
+            "positive, and finite",
+        )?;
+        within(
+            "left_right_px",
+            self.left_right_px,
+            0.0,
+            f32::MAX,
+            "not negative, and finite",
+        )?;
+        within(
+            "surface_radius",
+            self.surface_radius as f32,
+            0.0,
+            64.0,
+            "from 0 to 64",
+        )
+    }
+}
+
+impl Default for DenseParams {
+    fn default() -> Self {
+        Self::best()
+    }
+}

@@ -1,0 +1,52 @@
+use ndarray::Array2;
+
+use crate::Validity;
+
+/// Shifts on the way to a full field: what was found, and what of it counts as known.
+#[derive(Clone, Debug)]
+pub(crate) struct PartialField {
+    /// Shifts in pixels; a losing guess where not known.
+    pub(crate) dx: Array2<f32>,
+    /// Whether others may rely on the shift.
+    pub(crate) known: Array2<bool>,
+    /// Why the shift is an answer or not; filling does not change it.
+    pub(crate) validity: Array2<Validity>,
+}
+
+impl PartialField {
+    pub(crate) fn new(dx: Array2<f32>, validity: Array2<Validity>) -> Self {
+        Self {
+            known: validity.mapv(Validity::is_valid),
+            dx,
+            validity,
+        }
+    }
+
+    /// For every pixel of a row the farther of the nearest known shifts to its left and right: what
+    /// lies behind it. `None` if the row knows nothing but the pixel itself.
+    pub(crate) fn backgrounds(&self, y: usize) -> Vec<Option<f32>> {
+        let (dx, known) = (self.dx.row(y), self.known.row(y));
+        let width = dx.len();
+        let mut behind = vec![None; width];
+        let mut nearest = None;
+        for x in 0..width {
+            behind[x] = nearest;
+            if known[x] {
+                nearest = Some(dx[x]);
+            }
+        }
+        nearest = None;
+        for x in (0..width).rev() {
+            behind[x] = behind[x].into_iter().chain(nearest).reduce(f32::max);
+            if known[x] {
+                nearest = Some(dx[x]);
+            }
+        }
+        behind
+    }
+}
+
+/// Whether only this eye sees the place, so that what lies there is what lies behind.
+pub(crate) const fn is_hidden(validity: Validity) -> bool {
+    matches!(validity, Validity::Occluded | Validity::OutOfView)
+}

@@ -1,0 +1,115 @@
+use rayon::prelude::*;
+use v1_gabor::{Binocular, Responses};
+
+use crate::SearchRange;
+use crate::dense::padding::Padding;
+use crate::dense::phase_agreement::COST_ORIENTATIONS;
+use crate::dense::pixel_cost::PixelCost;
+use crate::dense::wide::Wide;
+
+/// Least amplitude of an orientation that is heard.
+const HEARD_AMPLITUDE: f32 = 1e-3;
+
+/// One bit of each orientation's two.
+const HALF: u8 = 0b0101_0101;
+
+/// The Hamming distance of the phases' quadrants: a rough phase agreement from two bytes a pixel.
+///
+/// An orientation that is silent in either eye says nothing, and costs one bit of its two.
+#[derive(Debug)]
+pub(crate) struct PhaseQuadrants {
+    eyes: Binocular<QuadrantCodes>,
+    padding: Padding,
+}
+
+/// Codes `[[y, padded x]]`: two bits an orientation, the signs of its even and its odd part, and
+/// whether it is heard.
+#[derive(Clone, Debug)]
+struct QuadrantCodes {
+    stride: usize,
+    quadrants: Vec<u8>,
+    heard: Vec<u8>,
+}
+
+impl PhaseQuadrants {
+    /// Takes the finest responses of both eyes, of [`COST_ORIENTATIONS`] orientations each.
+    pub(crate) fn new(eyes: Binocular<&Responses>, search: SearchRange) -> Self {
+        let padding = Padding::of(search);
+        Self {
+            eyes: eyes.map(|eye| QuadrantCodes::of(eye, padding)),
+            padding,
+        }
+    }
+}
+
+impl PixelCost for PhaseQuadrants {
+    #[inline(always)]
+    fn costs<W: Wide>(&self, _: W, x: usize, y: usize, costs: &mut [u8]) {
+        let (left, right) = (&self.eyes.left, &self.eyes.right);
+        let place = y * left.stride + self.padding.place(x);
+        let (quadrants, heard) = (left.quadrants[place], left.heard[place]);
+        let first = y * right.stride + self.padding.first(x);
+        let run = first..first + costs.len();
+        let others = right.quadrants[run.clone()].iter().zip(&right.heard[run]);
+        for (cost, (&other, &other_heard)) in costs.iter_mut().zip(others) {
+            let both = heard & other_heard;
+            let differing = ((quadrants ^ other) & both) | (!both & HALF);
+            *cost = (differing.count_ones() as u8) << 4;
+        }
+    }
+
+    fn seen_by_the_other_eye(&self) -> Self {
+        Self {
+            eyes: Binocular {
+                left: self.eyes.right.mirrored(self.padding),
+                right: self.eyes.left.mirrored(self.padding),
+            },
+            padding: self.padding,
+        }
+    }
+}
+
+impl QuadrantCodes {
+    fn of(responses: &Responses, padding: Padding) -> Self {
+        let size = responses.size();
+        let stride = padding.stride(size.width);
+        let mut quadrants = vec![0; size.height * stride];
+        let mut heard = vec![0; size.height * stride];
+        (
+            quadrants.par_chunks_mut(stride),
+            heard.par_chunks_mut(stride),
+        )
+            .into_par_iter()
+            .enumerate()
+            .for_each(|(y, (quadrants, heard))| {
+                for x in 0..size.width {
+                    let pixel = responses.pixel(x, y);
+                    let place = padding.place(x);
+                    for q in 0..COST_ORIENTATIONS {
+                        let (even, odd) = (pixel.even[q], pixel.odd[q]);
+                        let code = u8::from(even > 0.0) | u8::from(odd > 0.0) << 1;
+                        let loud = even * even + odd * odd > HEARD_AMPLITUDE * HEARD_AMPLITUDE;
+                        quadrants[place] |= code << (2 * q);
+                        heard[place] |= (0b11 * u8::from(loud)) << (2 * q);
+                    }
+                }
+                padding.replicate(quadrants);
+                padding.replicate(heard);
+            });
+        Self {
+            stride,
+            quadrants,
+            heard,
+        }
+    }
+
+    fn mirrored(&self, padding: Padding) -> Self {
+        let mut mirrored = self.clone();
+        for plane in [&mut mirrored.quadrants, &mut mirrored.heard] {
+            plane
+                .par_chunks_mut(self.stride)
+                .for_each(|row| padding.mirror(row));
+        }
+        mirrored
+    }
+}

@@ -1,0 +1,140 @@
+use disparity_pyramid::{
+    DenseMatcher, DenseParams, DisparityField, EyeView, MatchParams, RowAlignment, SearchRange,
+    estimate,
+};
+use v1_gabor::{Binocular, FilterBank};
+
+use crate::Error;
+
+/// Which estimator of level 2 looks.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Estimator {
+    /// The paper's vector pyramid: `dx` and `dy`, nothing assumed of the rig.
+    #[default]
+    Vector,
+    /// The dense epipolar estimator: `dx` at every pixel of a rectified pair.
+    Dense(DenseLook),
+}
+
+/// How the dense estimator looks.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DenseLook {
+    /// Its ingredients.
+    pub params: DenseParams,
+    /// Which shifts it tries.
+    pub search: Search,
+    /// Whether the right image's rows are first aligned with the left one's, by what the vector
+    /// pyramid sees: for a rig whose calibration is missing or cannot be trusted.
+    pub align_rows: bool,
+}
+
+/// Which shifts the dense estimator tries.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Search {
+    /// Those that the vector pyramid sees in the same pair, up to `most_dx` if the farthest is
+    /// known.
+    Found {
+        /// The largest shift to try, in pixels.
+        most_dx: Option<i32>,
+    },
+    /// These.
+    Given(SearchRange),
+}
+
+impl Default for Search {
+    fn default() -> Self {
+        Self::Found { most_dx: None }
+    }
+}
+
+/// What the dense estimator has to know of a pair before it looks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Preparation {
+    /// The shifts to try.
+    pub search: SearchRange,
+    /// How the right image's rows lie, if they are to be aligned.
+    pub rows: Option<RowAlignment>,
+}
+
+impl DenseLook {
+    /// The disparity of a pair. `bank` and `matching` are those of the vector pyramid, which finds
+    /// the search and the alignment if they are asked for. With an alignment `dy` is 0 all the
+    /// same: the field belongs to the aligned right image.
+    ///
+    /// # Errors
+    /// [`Error`] carries the refusal of the first step that refused.
+    pub fn disparity(
+        &self,
+        eyes: &Binocular<EyeView<'_>>,
+        bank: &FilterBank,
+        matching: MatchParams,
+    ) -> Result<DisparityField, Error> {
+        let preparation = self.prepare(eyes, bank, matching)?;
+        self.look(eyes, &preparation)
+    }
+
+    /// What the vector pyramid finds out first, if anything is asked of it.
+    ///
+    /// # Errors
+    /// [`Error`] if the vector pyramid refuses, or sees too little.
+    pub fn prepare(
+        &self,
+        eyes: &Binocular<EyeView<'_>>,
+        bank: &FilterBank,
+        matching: MatchParams,
+    ) -> Result<Preparation, Error> {
+        let field = || {
+            let responses = eyes.try_map(|eye| bank.respond(eye.luma))?;
+            Ok::<_, Error>(estimate(&responses, matching)?)
+        };
+        match self.search {
+            Search::Given(search) if !self.align_rows => Ok(Preparation { search, rows: None }),
+            Search::Given(search) => Ok(Preparation {
+                search,
+                rows: Some(RowAlignment::fit(&field()?).ok_or(Error::NoAlignment)?),
+            }),
+            Search::Found { most_dx } => {
+                let field = field()?;
+                let found = SearchRange::covering(&field).ok_or(Error::NoSearch)?;
+                let most_dx = most_dx.unwrap_or(found.most_dx());
+                let rows = if self.align_rows {
+                    Some(RowAlignment::fit(&field).ok_or(Error::NoAlignment)?)
+                } else {
+                    None
+                };
+                Ok(Preparation {
+                    search: SearchRange::new(found.least_dx().min(most_dx), most_dx)?,
+                    rows,
+                })
+            }
+        }
+    }
+
+    /// The disparity of a prepared pair.
+    ///
+    /// # Errors
+    /// [`Error`] if a parameter cannot be, or a picture has another size than the left luma.
+    pub fn look(
+        &self,
+        eyes: &Binocular<EyeView<'_>>,
+        preparation: &Preparation,
+    ) -> Result<DisparityField, Error> {
+        let matcher = DenseMatcher::plan(self.params, eyes.left.luma.size())?;
+        let Some(rows) = &preparation.rows else {
+            return Ok(matcher.estimate(eyes, preparation.search)?);
+        };
+        let luma = rows.align_luma(eyes.right.luma);
+        let rgb = eyes.right.rgb.map(|rgb| rows.align_rgb(rgb));
+        let aligned = Binocular {
+            left: EyeView {
+                luma: eyes.left.luma,
+                rgb: eyes.left.rgb.as_ref().map(|rgb| rgb.view()),
+            },
+            right: EyeView {
+                luma: &luma,
+                rgb: rgb.as_ref().map(|rgb| rgb.view()),
+            },
+        };
+        Ok(matcher.estimate(&aligned, preparation.search)?)
+    }
+}
