@@ -170,12 +170,12 @@ fn nearest(value: f32) -> f32 {
 fn cosine(angle: f32) -> f32 {
     let square = wrap(angle);
     let square = square * square;
-    // The series about 0, its last term raised so that it ends at -1 at half a turn.
+    // The series about 0, its last term lowered so that it ends at -1 at half a turn.
     1.0 + square
         * (-0.5
             + square
                 * (1.0 / 24.0
-                    + square * (-1.0 / 720.0 + square * (1.0 / 40_320.0 - square * 2.2e-7))))
+                    + square * (-1.0 / 720.0 + square * (1.0 / 40_320.0 - square * 2.56e-7))))
 }
 
 #[cfg(test)]
