@@ -54,6 +54,7 @@ mod disparity_field;
 mod estimate;
 mod estimate_monogenic;
 mod expand;
+mod flow_params;
 mod left_right;
 mod match_params;
 mod median;

@@ -1,6 +1,7 @@
 use clap::{CommandFactory as _, Parser, Subcommand, error::ErrorKind};
 
 use crate::demo_arguments::DemoArguments;
+use crate::flow_arguments::FlowArguments;
 use crate::look_arguments::LookArguments;
 use crate::tables_arguments::TablesArguments;
 use crate::v1_arguments::V1Arguments;
@@ -29,6 +30,8 @@ pub(crate) enum Command {
     Look(LookArguments),
     /// Looks at a real pair and a rendered room, and compares with the truth
     Demo(DemoArguments),
+    /// Finds how every point moves between two frames of one eye, and writes it
+    Flow(FlowArguments),
     /// Filters one picture as primary visual cortex does, and writes what it finds
     V1(V1Arguments),
     /// Prints a composition table of the qualitative calculus
@@ -43,6 +46,8 @@ Examples:
       Disparity alone.
   dorsal look left.png right.png --out out --rig rig.toml --labels labels.toml
       Depth in metres, and the relations of the labelled objects.
+  dorsal flow frame1.png frame2.png --out out
+      Optic flow between two moments of one eye.
   dorsal v1 left.png --out out
       What the first level knows of one picture: responses, orientations, edges.
   dorsal tables --system drs1 --case 1
@@ -75,7 +80,7 @@ impl Command {
         match self {
             Self::Look(look) => Some(("look", look.conflict()?)),
             Self::V1(v1) => Some(("v1", v1.conflict()?)),
-            Self::Demo(_) | Self::Tables(_) => None,
+            Self::Demo(_) | Self::Flow(_) | Self::Tables(_) => None,
         }
     }
 }

@@ -120,14 +120,14 @@ pub(crate) fn is_toml(path: &Path) -> bool {
         .is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
 }
 
-fn scales(text: &str) -> Result<usize, String> {
+pub(crate) fn scales(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(scales @ 1..=32) => Ok(scales),
         _ => Err("a whole number from 1 to 32 is needed".to_owned()),
     }
 }
 
-fn energy(text: &str) -> Result<f32, String> {
+pub(crate) fn energy(text: &str) -> Result<f32, String> {
     match text.parse() {
         Ok(energy) if (0.0..=f32::MAX).contains(&energy) => Ok(energy),
         _ => Err("a finite number that is not negative is needed".to_owned()),
