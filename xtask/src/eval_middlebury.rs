@@ -9,6 +9,7 @@ use stereo_formats::picture::Picture;
 use stereo_formats::scene_folder::{self, StereoScene};
 use v1_gabor::Binocular;
 
+use crate::ablation_run::{AblatedScene, AblationRun};
 use crate::bounds;
 use crate::data_folder;
 use crate::date;
@@ -40,6 +41,7 @@ Examples:
   cargo xtask eval-middlebury --scene venus --scene tsukuba --pictures out
   cargo xtask eval-middlebury --check --json out/eval.json --results out/results.md
   cargo xtask eval-middlebury --table1
+  cargo xtask eval-middlebury --ablate --scene venus
   cargo xtask eval-middlebury --data ~/data --download --from https://HOST/data
 
 A data folder holds scenes as stereo/SET/SCENE; each has scene.toml beside its pictures. Middlebury's
@@ -67,6 +69,9 @@ pub(crate) struct Options {
     /// Run the five rows of the paper's Table 1, on its three scenes, and write docs/table-1.md
     #[arg(long, conflicts_with_all = ["scene", "estimator", "pictures", "check"])]
     table1: bool,
+    /// Match with each ingredient of the vector pyramid off in turn, and write docs/ablation.md
+    #[arg(long, conflicts_with_all = ["table1", "estimator", "pictures", "check"])]
+    ablate: bool,
     /// Fail if an error is above its bound (dense, visible pixels: venus 0.45, sawtooth 0.70,
     /// tsukuba 0.70 px)
     #[arg(long)]
@@ -103,6 +108,9 @@ pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
     }
     if options.table1 {
         return table_1(&data, options);
+    }
+    if options.ablate {
+        return ablate(&data, options);
     }
     let evaluation = Evaluation {
         schema: Evaluation::SCHEMA,
@@ -251,6 +259,41 @@ fn table_1(data: &Path, options: &Options) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Matches with each ingredient off in turn, prints the means and writes the page.
+fn ablate(data: &Path, options: &Options) -> anyhow::Result<()> {
+    let scenes = scenes(data, options)?;
+    let progress = progress(options.quiet);
+    progress.set_length(scenes.len() as u64);
+    let mut run = AblationRun {
+        schema: AblationRun::SCHEMA,
+        date: date::today(),
+        machine: Machine::this(),
+        scenes: Vec::new(),
+    };
+    for (scene, truth) in scenes {
+        let name = scene.description.name.clone();
+        progress.set_message(name.clone());
+        let scene = AblatedScene::of(&scene, &truth).with_context(|| format!("scene {name}"))?;
+        run.scenes.push(scene);
+        progress.inc(1);
+    }
+    progress.finish_and_clear();
+    println!("Means over the scenes, px\n{}", run.table());
+    if let Some(path) = &options.json {
+        write_file(path, &serde_json::to_vec_pretty(&run)?)?;
+    }
+    let docs = || {
+        let all = options.scene.is_empty();
+        all.then(docs_folder)
+            .flatten()
+            .map(|docs| docs.join("ablation.md"))
+    };
+    if let Some(path) = options.results.clone().or_else(docs) {
+        write_file(&path, run.page().as_bytes())?;
+    }
+    Ok(())
+}
+
 /// The scenes of Table 1 in its order; all of them must be there.
 fn in_order(
     mut scenes: Vec<(StereoScene, Array2<f32>)>,
@@ -296,7 +339,7 @@ fn write(evaluation: &Evaluation, options: &Options) -> anyhow::Result<()> {
 }
 
 /// Writes a file whole or not at all, and makes its folder if there is none.
-fn write_file(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder)
             .with_context(|| format!("the folder {} cannot be made", folder.display()))?;
@@ -306,7 +349,7 @@ fn write_file(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
 }
 
 /// A bar on standard error; nothing at all if that is no terminal.
-fn progress(quiet: bool) -> ProgressBar {
+pub(crate) fn progress(quiet: bool) -> ProgressBar {
     let target = if quiet {
         ProgressDrawTarget::hidden()
     } else {

@@ -7,24 +7,43 @@
     reason = "a command line prints its results and its errors"
 )]
 
+mod ablation;
+mod ablation_run;
+mod alteration;
 mod bank_pictures;
 mod bounds;
 mod continuous;
+mod curve_svg;
 mod data_folder;
 mod date;
 mod docs_folder;
 mod download;
 mod error_picture;
 mod estimator;
+mod eval_flow;
 mod eval_middlebury;
+mod eval_robustness;
+mod eval_vergent;
 mod evaluation;
+mod flow_errors;
+mod flow_page;
+mod flow_run;
+mod homography;
 mod machine;
 mod manifest;
 mod markdown_table;
 mod masks;
 mod metrics;
+mod opencv;
 mod phase_statistics;
+mod point_errors;
+mod population_pictures;
+mod resample;
 mod results_page;
+mod robustness_marks;
+mod robustness_page;
+mod robustness_run;
+mod robustness_series;
 mod score;
 mod score_tables;
 mod sha256;
@@ -33,6 +52,7 @@ mod table_1_page;
 mod table_1_row;
 mod table_1_run;
 mod textured;
+mod vergent_run;
 mod visible;
 
 use std::process::ExitCode;
@@ -52,14 +72,22 @@ struct Tasks {
 #[derive(Debug, Subcommand)]
 enum Task {
     BankPictures(bank_pictures::Options),
+    EvalFlow(eval_flow::Options),
     EvalMiddlebury(eval_middlebury::Options),
+    EvalRobustness(eval_robustness::Options),
+    EvalVergent(eval_vergent::Options),
+    PopulationPictures(population_pictures::Options),
 }
 
 fn main() -> ExitCode {
     let Tasks { task } = Tasks::parse();
     let done = match task {
         Task::BankPictures(options) => bank_pictures::run(&options),
+        Task::EvalFlow(options) => eval_flow::run(&options),
         Task::EvalMiddlebury(options) => eval_middlebury::run(&options),
+        Task::EvalRobustness(options) => eval_robustness::run(&options),
+        Task::EvalVergent(options) => eval_vergent::run(&options),
+        Task::PopulationPictures(options) => population_pictures::run(&options),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -17,6 +17,13 @@ impl MarkdownTable {
         }
     }
 
+    /// A table with as many columns as there are heads, and no row yet.
+    pub(crate) fn with_head(head: impl IntoIterator<Item = String>) -> Self {
+        Self {
+            rows: vec![head.into_iter().collect()],
+        }
+    }
+
     /// Adds a row; cells that it lacks stay empty, and cells beyond the head are left out.
     pub(crate) fn push(&mut self, row: impl IntoIterator<Item = String>) {
         let columns = self.rows[0].len();
