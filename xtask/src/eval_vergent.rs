@@ -152,11 +152,13 @@ fn at_points(
 ) -> anyhow::Result<PointScore> {
     let eyes = scene.pair()?;
     let responses = respond(&eyes, most_scales(eyes.left.size()))?;
-    let found = match start {
-        StartName::Auto => Start::find(&responses),
-        StartName::Zero => None,
+    let (found, field, scales) = match start {
+        StartName::Auto => match_from_best(&eyes, &responses)?,
+        StartName::Zero => {
+            let (field, scales) = match_from(None, &eyes, &responses)?;
+            (None, field, scales)
+        }
     };
-    let (field, scales) = match_from(found, &eyes, &responses)?;
     Ok(PointScore {
         scene: scene.description.name.clone(),
         dataset: scene.description.dataset.clone(),
@@ -181,7 +183,6 @@ fn from_start(scene: &StereoScene) -> anyhow::Result<StartScore> {
     let eyes = scene.pair()?;
     let masks = Masks::of(scene, truth.view(), eyes.left.rgb())?;
     let responses = respond(&eyes, most_scales(eyes.left.size()))?;
-    let found = Start::find(&responses);
     let score = |field: &DisparityField| {
         let over = |d: ArrayView2<'_, f32>| Metrics::of(d, truth.view(), masks.visible.view());
         (
@@ -190,7 +191,7 @@ fn from_start(scene: &StereoScene) -> anyhow::Result<StartScore> {
         )
     };
     let (from_zero, _) = match_from(None, &eyes, &responses)?;
-    let (from_start, scales) = match_from(found, &eyes, &responses)?;
+    let (found, from_start, scales) = match_from_best(&eyes, &responses)?;
     let (zero_valid, zero_dense) = score(&from_zero);
     let (start_valid, start_dense) = score(&from_start);
     let mut known: Vec<f32> = truth.iter().copied().filter(|d| d.is_finite()).collect();
@@ -208,6 +209,30 @@ fn from_start(scene: &StereoScene) -> anyhow::Result<StartScore> {
         start_valid,
         start_dense,
     })
+}
+
+/// The field with the most valid pixels, of those from every start that is found; from zero if none is.
+fn match_from_best(
+    eyes: &Binocular<Picture>,
+    responses: &Binocular<V1Responses>,
+) -> anyhow::Result<(Option<Start>, DisparityField, usize)> {
+    let mut best: Option<(Option<Start>, DisparityField, usize)> = None;
+    for start in Start::candidates(responses) {
+        let (field, scales) = match_from(Some(start), eyes, responses)?;
+        if best
+            .as_ref()
+            .is_none_or(|(_, best, _)| field.density() > best.density())
+        {
+            best = Some((Some(start), field, scales));
+        }
+    }
+    match best {
+        Some(best) => Ok(best),
+        None => {
+            let (field, scales) = match_from(None, eyes, responses)?;
+            Ok((None, field, scales))
+        }
+    }
 }
 
 /// The field from a start, with the scales that it asks for; from zero with six if there is none.

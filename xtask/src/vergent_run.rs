@@ -203,7 +203,8 @@ impl VergentRun {
              Verged cameras and a rig out of line, unrectified, matched in both components; the truth \
              is sparse. The start of the search is found by a coarse look (`disparity_pyramid::Start`): \
              every shift of a coarse scale is tried, and windows that choose each other from both eyes \
-             vote. The scales are as many as the votes reach.\n\n\
+             vote. Of two starts, the middle of all votes and their densest part, the one is kept whose \
+             field has more valid pixels. The scales are as many as its votes reach.\n\n\
              ## Errors at the points\n\nEndpoint errors in px; **valid** where the estimator stands \
              behind its answer, **dense** the best guess.\n\n{}\n## Marks\n\n{}\n",
             self.date,

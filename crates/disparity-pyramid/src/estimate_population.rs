@@ -2,6 +2,7 @@ use ndarray::{Array2, Zip};
 use num_complex::Complex32;
 use v1_gabor::{Binocular, Responses, Size, V1Responses, WaveVector};
 
+use crate::between::between;
 use crate::expand::expand;
 use crate::median::median_of_known;
 use crate::{DisparityField, MatchParams, Mismatch, Population, Validity};
@@ -160,9 +161,11 @@ impl Site<'_> {
         (x, y): (usize, usize),
         (dx, dy): (f32, f32),
     ) -> Result<((f32, f32), f32), Validity> {
-        let right = self
-            .moved(x as f32 + dx, y as f32 + dy)
-            .ok_or(Validity::OutOfView)?;
+        let (u, v) = (x as f32 + dx, y as f32 + dy);
+        if !inside(u, v, self.right.size()) {
+            return Err(Validity::OutOfView);
+        }
+        let right = between(self.right, self.waves, u, v);
         let left = self.left.pixel(x, y);
         let mut heard = 0;
         let products: Vec<Complex32> = right
@@ -193,34 +196,6 @@ impl Site<'_> {
             return Err(Validity::OutOfView);
         }
         Ok((shift, agreement.clamp(0.0, 1.0)))
-    }
-
-    /// The right eye's responses by orientation as receptive fields at `(x, y)` between pixels have
-    /// them; `None` outside the image.
-    ///
-    /// Each neighbour is turned by the carrier's phase between it and the place before the four are
-    /// weighed, as interpolation of a carrier itself is biased by up to 0.045 px.
-    fn moved(&self, x: f32, y: f32) -> Option<impl Iterator<Item = Complex32>> {
-        let size = self.right.size();
-        if !inside(x, y, size) {
-            return None;
-        }
-        let (left, above) = (x as usize, y as usize);
-        let neighbours = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| {
-            let u = (left + i).min(size.width - 1);
-            let v = (above + j).min(size.height - 1);
-            let (far_x, far_y) = (x - (left + i) as f32, y - (above + j) as f32);
-            let weight = (1.0 - far_x.abs()) * (1.0 - far_y.abs());
-            (self.right.pixel(u, v), weight, (far_x, far_y))
-        });
-        let waves = self.waves.iter().enumerate();
-        Some(waves.map(move |(q, k)| {
-            let parts = neighbours.iter().map(|(pixel, weight, (far_x, far_y))| {
-                let response = Complex32::new(pixel.even[q], pixel.odd[q]);
-                response * Complex32::from_polar(*weight, k.x * far_x + k.y * far_y)
-            });
-            parts.sum()
-        }))
     }
 }
 

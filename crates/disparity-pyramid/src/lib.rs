@@ -49,6 +49,7 @@
 //!
 //! [`estimate_monogenic`] takes the same steps over responses that know one orientation a pixel
 //! ([`v1_gabor::MonogenicResponses`]), with fits over neighbourhoods in place of orientations.
+mod between;
 mod coarse_to_fine;
 mod disparity_field;
 mod estimate;

@@ -3,6 +3,8 @@ use num_complex::Complex32;
 use rayon::prelude::*;
 use v1_gabor::{Binocular, Responses, V1Responses};
 
+use crate::between::between;
+
 /// Where to start a search of which nothing is known: the middle of the shifts that a coarse look
 /// finds, and how far they reach about it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,11 +26,17 @@ const LONGEST_SIDE: usize = 96;
 const REACH_X: f32 = 0.5;
 const REACH_Y: f32 = 0.1;
 
+/// Scales that vote together.
+const POOLED_SCALES: usize = 3;
+
 /// Half-width of the windows that are compared, in coarse pixels.
-const RADIUS: usize = 4;
+const RADIUS: usize = 6;
 
 /// Least mean cosine of the phase differences in a window for a match.
 const LEAST_AGREEMENT: f32 = 0.6;
+
+/// How far the votes lie that belong to one start, px: what five scales reach.
+const NEAR_PX: f32 = 24.0;
 
 /// Below this part of mutual pixels there is no start.
 const LEAST_MUTUAL: f32 = 0.02;
@@ -51,30 +59,67 @@ impl Start {
     /// orientations, each of one weight, so that no strong edge decides alone. Both components are
     /// searched, x to half the width either way, y to a tenth of the height.
     ///
-    /// `None` if the eyes differ in size, or hardly anything is found from both eyes.
+    /// `None` if the eyes differ in size or bank, or hardly anything is found from both eyes.
     #[must_use]
     pub fn find(eyes: &Binocular<V1Responses>) -> Option<Self> {
+        Self::candidates(eyes).into_iter().next()
+    }
+
+    /// Starts to choose from: the one that [`find`](Self::find) gives, in the middle of all votes, then
+    /// the one with the most votes within 24 px.
+    ///
+    /// The first reaches everything; the second needs fewer scales, and coarse scales are where a
+    /// large step of depth, or a pattern that repeats, misleads a search. The field with the more valid
+    /// pixels is the better one. Empty where `find` has none.
+    #[must_use]
+    pub fn candidates(eyes: &Binocular<V1Responses>) -> Vec<Self> {
         let small = |scale: &Responses| scale.size().width.max(scale.size().height) <= LONGEST_SIDE;
         let scales = eyes.left.scales();
         let scale = scales.iter().position(small).unwrap_or(scales.len() - 1);
-        let (left, right) = (&scales[scale], eyes.right.scales().get(scale)?);
-        if left.size() != right.size() || left.orientations() != right.orientations() {
-            return None;
+        if eyes.left.size() != eyes.right.size() || eyes.left.params() != eyes.right.params() {
+            return Vec::new();
         }
-        let matches = mutual_matches(&Phases::of(left), &Phases::of(right));
-        let mutual = matches.len() as f32 / left.size().area() as f32;
+        let eyes = eyes.as_ref().map(|eye| Phases::of(eye, scale));
+        let votes = mutual_matches(&eyes.left, &eyes.right);
+        let mutual = votes.len() as f32 / scales[scale].size().area() as f32;
         if mutual < LEAST_MUTUAL {
-            return None;
+            return Vec::new();
         }
-        let (dx, dy): (Vec<i32>, Vec<i32>) = matches.into_iter().unzip();
-        let ((dx, reach_x), (dy, reach_y)) = (middle(dx), middle(dy));
         let pixel = 2f32.powi(scale as i32);
-        Some(Self {
+        let strongest = strongest(&votes, (NEAR_PX / pixel).round() as i32);
+        let (dx, dy): (Vec<i32>, Vec<i32>) = votes.into_iter().unzip();
+        let ((dx, reach_x), (dy, reach_y)) = (middle(dx), middle(dy));
+        let whole = Self {
             shift_px: (dx * pixel, dy * pixel),
             reach_px: (reach_x.max(reach_y) + 0.5) * pixel,
             mutual,
-        })
+        };
+        let near = Self {
+            shift_px: (strongest.0 as f32 * pixel, strongest.1 as f32 * pixel),
+            reach_px: NEAR_PX,
+            mutual,
+        };
+        if whole.reach_px <= NEAR_PX {
+            vec![whole]
+        } else {
+            vec![whole, near]
+        }
     }
+}
+
+/// The shift with the most votes within `near` coarse pixels in both components; the first one of
+/// several.
+fn strongest(votes: &[(i32, i32)], near: i32) -> (i32, i32) {
+    let mut shifts = votes.to_vec();
+    shifts.sort_unstable();
+    shifts.dedup();
+    let count = |&(dx, dy): &(i32, i32)| {
+        let close = |&&(x, y): &&(i32, i32)| (x - dx).abs() <= near && (y - dy).abs() <= near;
+        votes.iter().filter(close).count()
+    };
+    // The first of the largest: `max_by_key` would give the last.
+    let best = shifts.iter().rev().max_by_key(|shift| count(shift));
+    best.copied().unwrap_or_default()
 }
 
 /// The middle of the 5th and the 95th percentile, and how far they lie from it.
@@ -86,42 +131,54 @@ fn middle(mut shifts: Vec<i32>) -> (f32, f32) {
     (0.5 * (low + high), 0.5 * (high - low))
 }
 
-/// Responses of length one by orientation, zero where there is hardly any.
+/// Responses of length one on the grid of one scale, by scale and orientation: that scale's and those
+/// of coarser ones between their pixels. Zero where there is hardly any.
+///
+/// A pattern that repeats looks the same after a period at one scale, and not at the next: pooling
+/// over scales is what tells the periods apart.
 struct Phases {
-    /// `[[y, x]]` of one number for each orientation, orientations innermost.
+    /// `[[y, x]]` of one number for each channel, channels innermost.
     units: Vec<Complex32>,
     width: usize,
     height: usize,
-    orientations: usize,
+    channels: usize,
 }
 
 impl Phases {
-    fn of(responses: &Responses) -> Self {
+    fn of(eye: &V1Responses, scale: usize) -> Self {
         /// A twentieth of a grey level in 256, squared: below it, a phase is noise.
         const SILENCE: f32 = 4e-8;
-        let size = responses.size();
-        let orientations = responses.orientations();
-        let mut units = Vec::with_capacity(size.area() * orientations);
+        let waves = eye.params().wave_vectors();
+        let size = eye.scales()[scale].size();
+        let pooled = eye.scales().iter().skip(scale).take(POOLED_SCALES);
+        let mut units = Vec::new();
         for y in 0..size.height {
             for x in 0..size.width {
-                let pixel = responses.pixel(x, y);
-                units.extend(pixel.even.iter().zip(pixel.odd).map(|(&even, &odd)| {
-                    let response = Complex32::new(even, odd);
-                    response / (response.norm_sqr() + SILENCE).sqrt()
-                }));
+                for (coarser, responses) in pooled.clone().enumerate() {
+                    let shrink = 0.5f32.powi(coarser as i32);
+                    let coarse = responses.size();
+                    // The last fine pixel may lie half a pixel beyond the last coarse one.
+                    let at =
+                        |fine: usize, side: usize| (fine as f32 * shrink).min((side - 1) as f32);
+                    let (u, v) = (at(x, coarse.width), at(y, coarse.height));
+                    let read = between(responses, &waves, u, v);
+                    units.extend(
+                        read.map(|response| response / (response.norm_sqr() + SILENCE).sqrt()),
+                    );
+                }
             }
         }
         Self {
+            channels: units.len() / size.area(),
             units,
             width: size.width,
             height: size.height,
-            orientations,
         }
     }
 
     fn pixel(&self, x: usize, y: usize) -> &[Complex32] {
-        let start = (y * self.width + x) * self.orientations;
-        &self.units[start..start + self.orientations]
+        let start = (y * self.width + x) * self.channels;
+        &self.units[start..start + self.channels]
     }
 }
 
@@ -203,7 +260,7 @@ fn agreement(left: &Phases, right: &Phases, (dx, dy): (i32, i32)) -> Array2<f32>
                 let there = right.pixel(u as usize, v as usize);
                 let cosines = left.pixel(x, y).iter().zip(there);
                 let sum: f32 = cosines.map(|(l, r)| l.re * r.re + l.im * r.im).sum();
-                row.0 += sum / left.orientations as f32;
+                row.0 += sum / left.channels as f32;
                 row.1 += 1.0;
             }
             let above = sums[[y, x + 1]];
@@ -241,6 +298,14 @@ mod tests {
         assert_eq!(start(1.0).scales(), 1);
         assert_eq!(start(48.0).scales(), 6);
         assert_eq!(start(48.1).scales(), 7);
+    }
+
+    #[test]
+    fn most_votes_win() {
+        let votes = [(-9, 0), (-8, 1), (-8, 0), (-1, 0), (0, 0)];
+        assert_eq!(strongest(&votes, 1), (-9, 0));
+        assert_eq!(strongest(&votes, 0), (-9, 0));
+        assert_eq!(strongest(&[(4, 2), (5, 2), (6, 2)], 1), (5, 2));
     }
 
     #[test]
