@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
-use disparity_pyramid::{DisparityField, MatchParams, Start, estimate};
+use disparity_pyramid::{CoarseVotes, DisparityField, MatchParams, Start, estimate};
 use ndarray::ArrayView2;
 use stereo_formats::points::PointPair;
 use stereo_formats::scene_folder::{self, StereoScene};
@@ -58,11 +58,14 @@ pub(crate) struct Options {
 /// Where a search starts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum StartName {
-    /// Found by a coarse look, with as many scales as it asks for
+    /// Found by a coarse look, one or several, with as many scales as they ask for
     Auto,
     /// At zero, with six scales
     Zero,
 }
+
+/// Scales that a search from near needs: they reach 24 px.
+const NEAR_SCALES: usize = 5;
 
 /// Rectified scenes whose disparities reach far.
 const FAR: [&str; 4] = ["aloe", "teddy-half", "motorcycle", "teddy"];
@@ -152,18 +155,17 @@ fn at_points(
 ) -> anyhow::Result<PointScore> {
     let eyes = scene.pair()?;
     let responses = respond(&eyes, most_scales(eyes.left.size()))?;
-    let (found, field, scales) = match start {
-        StartName::Auto => match_from_best(&eyes, &responses)?,
+    let (starts, field, scales) = match start {
+        StartName::Auto => match_from_votes(&eyes, &responses)?,
         StartName::Zero => {
             let (field, scales) = match_from(None, &eyes, &responses)?;
-            (None, field, scales)
+            (Vec::new(), field, scales)
         }
     };
     Ok(PointScore {
         scene: scene.description.name.clone(),
         dataset: scene.description.dataset.clone(),
-        start_px: found.map(|start| start.shift_px),
-        reach_px: found.map(|start| start.reach_px),
+        starts_px: starts.iter().map(|start| start.shift_px).collect(),
         scales,
         points: points.len(),
         valid: PointErrors::of(points, |x, y| {
@@ -191,7 +193,7 @@ fn from_start(scene: &StereoScene) -> anyhow::Result<StartScore> {
         )
     };
     let (from_zero, _) = match_from(None, &eyes, &responses)?;
-    let (found, from_start, scales) = match_from_best(&eyes, &responses)?;
+    let (starts, from_start, scales) = match_from_votes(&eyes, &responses)?;
     let (zero_valid, zero_dense) = score(&from_zero);
     let (start_valid, start_dense) = score(&from_start);
     let mut known: Vec<f32> = truth.iter().copied().filter(|d| d.is_finite()).collect();
@@ -201,8 +203,7 @@ fn from_start(scene: &StereoScene) -> anyhow::Result<StartScore> {
     Ok(StartScore {
         scene: scene.description.name.clone(),
         truth_px: at(last / 20).zip(at(last - last / 20)),
-        start_px: found.map(|start| start.shift_px),
-        reach_px: found.map(|start| start.reach_px),
+        starts_px: starts.iter().map(|start| start.shift_px).collect(),
         scales,
         zero_valid,
         zero_dense,
@@ -211,28 +212,31 @@ fn from_start(scene: &StereoScene) -> anyhow::Result<StartScore> {
     })
 }
 
-/// The field with the most valid pixels, of those from every start that is found; from zero if none is.
-fn match_from_best(
+/// The field of a pair of which nothing is known: from the middle of the coarse votes if five scales
+/// reach them all, else each pixel's from the nearest of several starts; from zero without a vote.
+fn match_from_votes(
     eyes: &Binocular<Picture>,
     responses: &Binocular<V1Responses>,
-) -> anyhow::Result<(Option<Start>, DisparityField, usize)> {
-    let mut best: Option<(Option<Start>, DisparityField, usize)> = None;
-    for start in Start::candidates(responses) {
-        let (field, scales) = match_from(Some(start), eyes, responses)?;
-        if best
-            .as_ref()
-            .is_none_or(|(_, best, _)| field.density() > best.density())
-        {
-            best = Some((Some(start), field, scales));
-        }
+) -> anyhow::Result<(Vec<Start>, DisparityField, usize)> {
+    let Some(votes) = CoarseVotes::count(responses) else {
+        let (field, scales) = match_from(None, eyes, responses)?;
+        return Ok((Vec::new(), field, scales));
+    };
+    let middle = votes.middle();
+    let starts = if middle.scales() <= NEAR_SCALES {
+        vec![middle]
+    } else {
+        votes.starts()
+    };
+    let mut fields = Vec::new();
+    let mut most = 0;
+    for start in &starts {
+        let (field, scales) = match_from(Some(*start), eyes, responses)?;
+        fields.push(field);
+        most = most.max(scales);
     }
-    match best {
-        Some(best) => Ok(best),
-        None => {
-            let (field, scales) = match_from(None, eyes, responses)?;
-            Ok((None, field, scales))
-        }
-    }
+    let field = votes.choose(&fields).context("votes without a start")?;
+    Ok((starts, field, most))
 }
 
 /// The field from a start, with the scales that it asks for; from zero with six if there is none.

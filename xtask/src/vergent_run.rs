@@ -36,10 +36,8 @@ pub(crate) struct PointScore {
     pub(crate) scene: String,
     /// The set it comes from.
     pub(crate) dataset: String,
-    /// The start that was found, `(dx, dy)` in px; `None` if the search started at zero.
-    pub(crate) start_px: Option<(f32, f32)>,
-    /// How far shifts were found to reach about it, px.
-    pub(crate) reach_px: Option<f32>,
+    /// The starts that were found, `(dx, dy)` in px; none if the search started at zero.
+    pub(crate) starts_px: Vec<(f32, f32)>,
     /// Scales of the pyramid.
     pub(crate) scales: usize,
     /// Points of known truth.
@@ -57,10 +55,8 @@ pub(crate) struct StartScore {
     pub(crate) scene: String,
     /// The 5th and the 95th percentile of the true disparity `d`, px.
     pub(crate) truth_px: Option<(f32, f32)>,
-    /// The start that was found, `(dx, dy)` in px.
-    pub(crate) start_px: Option<(f32, f32)>,
-    /// How far shifts were found to reach about it, px.
-    pub(crate) reach_px: Option<f32>,
+    /// The starts that were found, `(dx, dy)` in px.
+    pub(crate) starts_px: Vec<(f32, f32)>,
     /// Scales of the pyramid from there.
     pub(crate) scales: usize,
     /// Errors from zero with six scales, valid pixels.
@@ -81,8 +77,7 @@ impl VergentRun {
     pub(crate) fn point_table(&self) -> MarkdownTable {
         let mut table = MarkdownTable::new([
             "pair, output",
-            "start, px",
-            "reach",
+            "starts, px",
             "scales",
             "points",
             "median, px",
@@ -95,10 +90,7 @@ impl VergentRun {
             for (output, errors) in [("valid", score.valid), ("dense", score.dense)] {
                 let about = [
                     format!("{}, {output}", score.scene),
-                    start(score.start_px),
-                    score
-                        .reach_px
-                        .map_or_else(dash, |reach| format!("{reach:.0}")),
+                    starts(&score.starts_px),
                     score.scales.to_string(),
                 ];
                 let cells = errors.map_or_else(
@@ -156,8 +148,7 @@ impl VergentRun {
         let mut table = MarkdownTable::new([
             "pair",
             "true d, 5 to 95 %",
-            "start (dx, dy), px",
-            "reach",
+            "starts (dx, dy), px",
             "scales",
             "from 0: valid",
             "dense",
@@ -179,10 +170,7 @@ impl VergentRun {
                 score
                     .truth_px
                     .map_or_else(dash, |(least, most)| format!("{least:.0} to {most:.0}")),
-                start(score.start_px),
-                score
-                    .reach_px
-                    .map_or_else(dash, |reach| format!("{reach:.0}")),
+                starts(&score.starts_px),
                 score.scales.to_string(),
                 error(score.zero_valid),
                 error(score.zero_dense),
@@ -203,8 +191,9 @@ impl VergentRun {
              Verged cameras and a rig out of line, unrectified, matched in both components; the truth \
              is sparse. The start of the search is found by a coarse look (`disparity_pyramid::Start`): \
              every shift of a coarse scale is tried, and windows that choose each other from both eyes \
-             vote. Of two starts, the middle of all votes and their densest part, the one is kept whose \
-             field has more valid pixels. The scales are as many as its votes reach.\n\n\
+             vote. The middle of the votes is the start if five scales reach them all; else up to four starts \
+             share them, and each pixel gets the field that is nearest to its own vote \
+             (`CoarseVotes`).\n\n\
              ## Errors at the points\n\nEndpoint errors in px; **valid** where the estimator stands \
              behind its answer, **dense** the best guess.\n\n{}\n## Marks\n\n{}\n",
             self.date,
@@ -251,8 +240,14 @@ impl PointScore {
     }
 }
 
-fn start(start_px: Option<(f32, f32)>) -> String {
-    start_px.map_or_else(dash, |(dx, dy)| format!("({dx:.0}, {dy:.0})"))
+fn starts(starts_px: &[(f32, f32)]) -> String {
+    if starts_px.is_empty() {
+        return "(0, 0)".to_owned();
+    }
+    let written = starts_px
+        .iter()
+        .map(|(dx, dy)| format!("({dx:.0}, {dy:.0})"));
+    written.collect::<Vec<_>>().join(" ")
 }
 
 fn dash() -> String {
@@ -276,8 +271,7 @@ mod tests {
         let score = |scene: &str, points| PointScore {
             scene: scene.to_owned(),
             dataset: "a set".to_owned(),
-            start_px: None,
-            reach_px: None,
+            starts_px: Vec::new(),
             scales: 6,
             points,
             valid: Some(errors),

@@ -77,5 +77,5 @@ pub use estimate_monogenic::estimate_monogenic;
 pub use estimate_population::estimate_population;
 pub use match_params::{MatchParams, MedianRadius};
 pub use population::{Population, binocular_energy};
-pub use start::Start;
+pub use start::{CoarseVotes, Start};
 pub use validity::Validity;

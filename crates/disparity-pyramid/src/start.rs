@@ -1,9 +1,10 @@
 use ndarray::{Array2, s};
 use num_complex::Complex32;
 use rayon::prelude::*;
-use v1_gabor::{Binocular, Responses, V1Responses};
+use v1_gabor::{Binocular, Responses, Size, V1Responses};
 
 use crate::between::between;
+use crate::{Disparity, DisparityField};
 
 /// Where to start a search of which nothing is known: the middle of the shifts that a coarse look
 /// finds, and how far they reach about it.
@@ -35,6 +36,9 @@ const RADIUS: usize = 6;
 /// Least mean cosine of the phase differences in a window for a match.
 const LEAST_AGREEMENT: f32 = 0.6;
 
+/// Starts that share the votes, at most.
+const MOST_STARTS: usize = 4;
+
 /// How far the votes lie that belong to one start, px: what five scales reach.
 const NEAR_PX: f32 = 24.0;
 
@@ -50,60 +54,171 @@ impl Start {
             .unwrap_or(16) as usize
     }
 
-    /// Looks for the start of a pair: every shift of a coarse scale is tried everywhere, and the
-    /// windows count that choose each other from both eyes.
-    ///
-    /// A coarse-to-fine search finds what its coarsest scale can tell: a phase, half a period either
-    /// way. Here the cells of all positions vote instead (position shifts, where the pyramid has phase
-    /// shifts): the agreement of two windows is the mean cosine of the phase differences of all
-    /// orientations, each of one weight, so that no strong edge decides alone. Both components are
-    /// searched, x to half the width either way, y to a tenth of the height.
-    ///
-    /// `None` if the eyes differ in size or bank, or hardly anything is found from both eyes.
+    /// Looks for the start of a pair: the middle of the votes of [`CoarseVotes`]; `None` if hardly
+    /// anything is found from both eyes.
     #[must_use]
     pub fn find(eyes: &Binocular<V1Responses>) -> Option<Self> {
-        Self::candidates(eyes).into_iter().next()
+        Some(CoarseVotes::count(eyes)?.middle())
     }
+}
 
-    /// Starts to choose from: the one that [`find`](Self::find) gives, in the middle of all votes, then
-    /// the one with the most votes within 24 px.
-    ///
-    /// The first reaches everything; the second needs fewer scales, and coarse scales are where a
-    /// large step of depth, or a pattern that repeats, misleads a search. The field with the more valid
-    /// pixels is the better one. Empty where `find` has none.
+/// What a coarse look finds, shift by shift: every shift of a coarse scale is tried everywhere, and the
+/// windows vote that choose each other from both eyes.
+///
+/// A coarse-to-fine search finds what its coarsest scale can tell: a phase, half a period either way.
+/// Here the cells of all positions vote instead (position shifts, where the pyramid has phase shifts):
+/// the agreement of two windows is the mean cosine of the phase differences of all orientations of
+/// three scales, each of one weight, so that no strong edge decides alone. Both components are
+/// searched, x to half the width either way, y to a tenth of the height.
+#[derive(Clone, Debug)]
+pub struct CoarseVotes {
+    /// The shift that each coarse pixel votes for, in coarse pixels; `None` without a vote.
+    votes: Array2<Option<(i32, i32)>>,
+    /// Pixels of the image to a coarse one.
+    pixel: f32,
+    /// Size of the image.
+    size: Size,
+}
+
+impl CoarseVotes {
+    /// Counts the votes of a pair; `None` if the eyes differ in size or bank, or fewer than two in a
+    /// hundred coarse pixels vote.
     #[must_use]
-    pub fn candidates(eyes: &Binocular<V1Responses>) -> Vec<Self> {
+    pub fn count(eyes: &Binocular<V1Responses>) -> Option<Self> {
         let small = |scale: &Responses| scale.size().width.max(scale.size().height) <= LONGEST_SIDE;
         let scales = eyes.left.scales();
         let scale = scales.iter().position(small).unwrap_or(scales.len() - 1);
         if eyes.left.size() != eyes.right.size() || eyes.left.params() != eyes.right.params() {
-            return Vec::new();
+            return None;
         }
+        let size = eyes.left.size();
         let eyes = eyes.as_ref().map(|eye| Phases::of(eye, scale));
-        let votes = mutual_matches(&eyes.left, &eyes.right);
-        let mutual = votes.len() as f32 / scales[scale].size().area() as f32;
-        if mutual < LEAST_MUTUAL {
-            return Vec::new();
-        }
-        let pixel = 2f32.powi(scale as i32);
-        let strongest = strongest(&votes, (NEAR_PX / pixel).round() as i32);
-        let (dx, dy): (Vec<i32>, Vec<i32>) = votes.into_iter().unzip();
+        let counted = Self {
+            size,
+            votes: mutual_matches(&eyes.left, &eyes.right),
+            pixel: 2f32.powi(scale as i32),
+        };
+        (counted.mutual() >= LEAST_MUTUAL).then_some(counted)
+    }
+
+    /// The start in the middle of all votes, which reaches nine tenths of them.
+    #[must_use]
+    pub fn middle(&self) -> Start {
+        let (dx, dy): (Vec<i32>, Vec<i32>) = self.votes.iter().flatten().copied().unzip();
         let ((dx, reach_x), (dy, reach_y)) = (middle(dx), middle(dy));
-        let whole = Self {
-            shift_px: (dx * pixel, dy * pixel),
-            reach_px: (reach_x.max(reach_y) + 0.5) * pixel,
-            mutual,
-        };
-        let near = Self {
-            shift_px: (strongest.0 as f32 * pixel, strongest.1 as f32 * pixel),
-            reach_px: NEAR_PX,
-            mutual,
-        };
-        if whole.reach_px <= NEAR_PX {
-            vec![whole]
-        } else {
-            vec![whole, near]
+        Start {
+            shift_px: (dx * self.pixel, dy * self.pixel),
+            reach_px: (reach_x.max(reach_y) + 0.5) * self.pixel,
+            mutual: self.mutual(),
         }
+    }
+
+    /// Starts that share the votes among them: the shift with the most votes within 24 px, then the
+    /// one with the most of those that are left, until nine tenths have a start; four at most.
+    ///
+    /// A start that reaches far needs coarse scales, and there a large step of depth, or a pattern that
+    /// repeats, misleads a search. From each of these, five scales are enough, and
+    /// [`choose`](Self::choose) takes each pixel's field.
+    #[must_use]
+    pub fn starts(&self) -> Vec<Start> {
+        let near = (NEAR_PX / self.pixel).round() as i32;
+        let mut left: Vec<(i32, i32)> = self.votes.iter().flatten().copied().collect();
+        let enough = left.len() / 10;
+        let mut starts = Vec::new();
+        while left.len() > enough && starts.len() < MOST_STARTS {
+            let (dx, dy) = strongest(&left, near);
+            left.retain(|&(x, y)| (x - dx).abs() > near || (y - dy).abs() > near);
+            starts.push(Start {
+                shift_px: (dx as f32 * self.pixel, dy as f32 * self.pixel),
+                reach_px: NEAR_PX,
+                mutual: self.mutual(),
+            });
+        }
+        starts
+    }
+
+    /// One field of several, those from [`starts`](Self::starts): at each pixel the one whose shift is
+    /// nearest to what most votes about it say. `None` without a field, or if one has another size than the eyes.
+    #[must_use]
+    pub fn choose(&self, fields: &[DisparityField]) -> Option<DisparityField> {
+        let size = self.size;
+        if fields.is_empty() || fields.iter().any(|field| field.size() != size) {
+            return None;
+        }
+        let votes = self.everywhere();
+        let (rows, columns) = votes.dim();
+        let coarse = |fine: usize, side: usize| {
+            let at = (fine as f32 / self.pixel).round() as usize;
+            at.min(side - 1)
+        };
+        let chosen = Array2::from_shape_fn(size.dim(), |(y, x)| {
+            let (dx, dy) = votes[[coarse(y, rows), coarse(x, columns)]];
+            let far = |field: &DisparityField| {
+                let guess = field.guess(x, y);
+                (guess.dx - dx as f32 * self.pixel).hypot(guess.dy - dy as f32 * self.pixel)
+            };
+            (1..fields.len()).fold(0, |best, next| {
+                if far(&fields[next]) < far(&fields[best]) {
+                    next
+                } else {
+                    best
+                }
+            })
+        });
+        let guess = |of: fn(Disparity) -> f32| {
+            Array2::from_shape_fn(size.dim(), |(y, x)| of(fields[chosen[[y, x]]].guess(x, y)))
+        };
+        let validity =
+            Array2::from_shape_fn(size.dim(), |pixel| fields[chosen[pixel]].validity()[pixel]);
+        Some(DisparityField::trusted(
+            guess(|there| there.dx),
+            guess(|there| there.dy),
+            guess(|there| there.confidence),
+            validity,
+        ))
+    }
+
+    /// The part of the coarse pixels that vote.
+    fn mutual(&self) -> f32 {
+        self.votes.iter().flatten().count() as f32 / self.votes.len() as f32
+    }
+
+    /// The shift that most votes about every coarse pixel stand for, or the nearest vote in steps along
+    /// rows and columns: single votes on a pattern that repeats are a period apart, and their majority
+    /// is not.
+    fn everywhere(&self) -> Array2<(i32, i32)> {
+        let near = (NEAR_PX / self.pixel).round() as i32;
+        let (height, width) = self.votes.dim();
+        let filled = self.filled();
+        let majority = |(y, x): (usize, usize)| {
+            let rows = y.saturating_sub(RADIUS)..(y + RADIUS + 1).min(height);
+            let columns = x.saturating_sub(RADIUS)..(x + RADIUS + 1).min(width);
+            let about = self.votes.slice(s![rows, columns]);
+            let votes: Vec<(i32, i32)> = about.iter().flatten().copied().collect();
+            if votes.is_empty() {
+                filled[[y, x]]
+            } else {
+                strongest(&votes, near)
+            }
+        };
+        Array2::from_shape_fn((height, width), majority)
+    }
+
+    /// The nearest vote to every coarse pixel.
+    fn filled(&self) -> Array2<(i32, i32)> {
+        let mut filled = self.votes.clone();
+        while filled.iter().any(Option::is_none) {
+            let before = filled.clone();
+            for ((y, x), vote) in filled.indexed_iter_mut() {
+                if vote.is_none() {
+                    let around = [(0, -1), (0, 1), (-1, 0), (1, 0)];
+                    *vote = around
+                        .into_iter()
+                        .find_map(|by| *before.get(moved((y, x), by)?)?);
+                }
+            }
+        }
+        filled.mapv(Option::unwrap_or_default)
     }
 }
 
@@ -205,8 +320,8 @@ impl Best {
     }
 }
 
-/// The shifts `(dx, dy)` of all coarse pixels whose windows choose each other from both eyes.
-fn mutual_matches(left: &Phases, right: &Phases) -> Vec<(i32, i32)> {
+/// The shift `(dx, dy)` of every coarse pixel whose window and that it chooses choose each other.
+fn mutual_matches(left: &Phases, right: &Phases) -> Array2<Option<(i32, i32)>> {
     let reach_x = (REACH_X * left.width.max(left.height) as f32) as i32;
     let reach_y = ((REACH_Y * left.width.min(left.height) as f32) as i32).max(1);
     let shifts: Vec<(i32, i32)> = (-reach_y..=reach_y)
@@ -229,13 +344,11 @@ fn mutual_matches(left: &Phases, right: &Phases) -> Vec<(i32, i32)> {
             }
         }
     }
-    from_left
-        .indexed_iter()
-        .filter_map(|(here, best)| {
-            let there = moved(here, best.shift?)?;
-            (from_right.get(there)?.shift == best.shift).then_some(best.shift?)
-        })
-        .collect()
+    Array2::from_shape_fn(dim, |here| {
+        let shift = from_left[here].shift?;
+        let back = from_right.get(moved(here, shift)?)?.shift;
+        (back == Some(shift)).then_some(shift)
+    })
 }
 
 /// The pixel `[y, x]` moved by `(dx, dy)`; `None` left of or above the image.

@@ -1,7 +1,7 @@
 //! Shifts far beyond the reach of any phase are found without a hint.
 mod texture;
 
-use disparity_pyramid::{MatchParams, Start, estimate};
+use disparity_pyramid::{CoarseVotes, MatchParams, Start, estimate};
 use proptest::prelude::*;
 use texture::{Texture, respond};
 use v1_gabor::Size;
@@ -32,6 +32,58 @@ proptest! {
         let found = field.guess(x, 100);
         prop_assert!((f64::from(found.dx) - dx).abs() < 0.1 && (f64::from(found.dy) - dy).abs() < 0.1);
     }
+}
+
+/// A near board before a far wall, farther apart than one search should reach: each pixel gets the
+/// field of its own start.
+#[test]
+fn board_and_wall_have_a_start_each() {
+    let (near, far) = (Texture::new(3), Texture::new(4));
+    let board = |x: f64, y: f64| (130.0..250.0).contains(&x) && (40.0..160.0).contains(&y);
+    let (near_dx, far_dx) = (-90.0, -20.0);
+    let eyes = respond(
+        SIZE,
+        |x, y| {
+            if board(x, y) {
+                near.at(x, y)
+            } else {
+                far.at(x, y)
+            }
+        },
+        |x, y| {
+            if board(x - near_dx, y) {
+                near.at(x - near_dx, y)
+            } else {
+                far.at(x - far_dx, y)
+            }
+        },
+    );
+    let votes = CoarseVotes::count(&eyes).expect("both are seen twice");
+    let starts = votes.starts();
+    assert!(starts.len() >= 2, "{starts:?}");
+    let fields: Vec<_> = starts
+        .iter()
+        .map(|start| {
+            let params = MatchParams {
+                zero_disparity_px: start.shift_px,
+                ..MatchParams::default()
+            };
+            estimate(&eyes, params).unwrap()
+        })
+        .collect();
+    let field = votes.choose(&fields).expect("fields of one size");
+    for ((x, y), dx) in [
+        ((190, 100), near_dx),
+        ((60, 100), far_dx),
+        ((290, 20), far_dx),
+    ] {
+        let found = field.guess(x, y);
+        assert!(
+            (f64::from(found.dx) - dx).abs() < 0.1,
+            "({x}, {y}): {found:?}"
+        );
+    }
+    assert!(votes.choose(&[]).is_none());
 }
 
 #[test]

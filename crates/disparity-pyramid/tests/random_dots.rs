@@ -90,7 +90,7 @@ fn errors(plane: Plane, seed: u64) -> (f64, f64, f64) {
             dots.at(x, y)
         },
     );
-    let field = estimate(&eyes, MatchParams::default()).unwrap();
+    let field = estimate(&eyes, MatchParams::default()).expect("one bank");
     let (mut along_x, mut along_y, mut valid, mut all) = (0.0, 0.0, 0.0, 0.0);
     for y in MARGIN..SIZE.height - MARGIN {
         for x in MARGIN..SIZE.width - MARGIN {
