@@ -138,7 +138,8 @@ impl CoarseVotes {
     }
 
     /// One field of several, those from [`starts`](Self::starts): at each pixel the one whose shift is
-    /// nearest to what most votes about it say. `None` without a field, or if one has another size than the eyes.
+    /// nearest to what most votes about it say. `None` without a field, or if one has another size than
+    /// the eyes.
     #[must_use]
     pub fn choose(&self, fields: &[DisparityField]) -> Option<DisparityField> {
         let size = self.size;
