@@ -199,9 +199,10 @@ mod tests {
         for diagram in &sheet.diagrams[..2] {
             for (curve, preferred) in diagram.curves.iter().zip(PREFERRED_PX) {
                 let best = curve.iter().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
-                // Left (x) matches right (x + dx), sampled every quarter of a pixel; a broad band
-                // may move the peak of a phase-shifted cell by one such step.
-                assert!((best.0 - f64::from(preferred)).abs() <= 0.51, "{best:?}");
+                let apart = (best.0 - f64::from(preferred)).abs();
+                // One orientation does not tell shifts apart that differ by its period of 4 px. A broad
+                // band may move a peak by two steps of a quarter of a pixel.
+                assert!(apart.min((4.0 - apart).abs()) <= 0.51, "{best:?}");
             }
         }
         let centre = &sheet.diagrams[2].curves[0];

@@ -76,7 +76,9 @@ mod tests {
     #[test]
     fn whole_places_are_the_samples_themselves() {
         let plane = Array2::from_shape_fn((9, 12), |(y, x)| (x * x + 3 * y) as f32);
-        assert_eq!(resample(plane.view(), |x, y| (x, y)), plane);
+        let same = resample(plane.view(), |x, y| (x, y));
+        // Sines of whole multiples of pi are zero to 1e-15, not exactly.
+        assert!((&same - &plane).iter().all(|apart| apart.abs() < 1e-4));
     }
 
     proptest! {
