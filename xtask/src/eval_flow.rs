@@ -17,7 +17,7 @@ use crate::flow_errors::FlowErrors;
 use crate::flow_page::flow_page;
 use crate::flow_run::{FlowRun, FlowScore, MethodScore, OURS_DENSE};
 use crate::machine::Machine;
-use crate::opencv::{FlowJob, Job, OpenCv, OpenCvOptions};
+use crate::opencv_peer::{FlowJob, Job, OpenCv, OpenCvOptions};
 
 /// Compares optic flow with the truth: every flow scene in the data folder, OpenCV's Farneback and
 /// DIS beside us.

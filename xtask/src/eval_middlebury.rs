@@ -9,7 +9,7 @@ use stereo_formats::picture::Picture;
 use stereo_formats::scene_folder::{self, StereoScene};
 use v1_gabor::Binocular;
 
-use crate::ablation_run::{AblatedScene, AblationRun};
+use crate::pyramid_ablation_run::{AblatedScene, AblationRun};
 use crate::bounds;
 use crate::data_folder;
 use crate::date;

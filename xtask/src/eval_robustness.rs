@@ -18,7 +18,7 @@ use crate::eval_middlebury::{progress, write_file};
 use crate::machine::Machine;
 use crate::masks::Masks;
 use crate::metrics::Metrics;
-use crate::opencv::{Job, OpenCv, OpenCvOptions, StereoJob};
+use crate::opencv_peer::{Job, OpenCv, OpenCvOptions, StereoJob};
 use crate::robustness_marks;
 use crate::robustness_page::{self, robustness_page};
 use crate::robustness_run::{AlteredTrial, RobustnessRun, SceneTrials, Trial};

@@ -7,8 +7,8 @@
     reason = "a command line prints its results and its errors"
 )]
 
-mod ablation;
-mod ablation_run;
+mod pyramid_ablation;
+mod pyramid_ablation_run;
 mod alteration;
 mod bank_pictures;
 mod bounds;
@@ -34,7 +34,7 @@ mod manifest;
 mod markdown_table;
 mod masks;
 mod metrics;
-mod opencv;
+mod opencv_peer;
 mod phase_statistics;
 mod point_errors;
 mod population_pictures;

@@ -1,6 +1,6 @@
 """Runs OpenCV's matchers on pictures that `cargo xtask` wrote, and writes arrays it reads back.
 
-Called as `python3 opencv_matchers.py JOBS.json`. The file holds a list of jobs:
+Called as `python3 opencv_peer.py JOBS.json`. The file holds a list of jobs:
 
   {"matcher": "bm" | "sgbm", "left": PNG, "right": PNG, "least": px, "count": px, "out": NPY}
   {"matcher": "farneback" | "dis", "prev": PNG, "next": PNG, "out": NPY}

@@ -8,7 +8,7 @@ use stereo_formats::file_sign;
 use stereo_formats::scene_folder::StereoScene;
 use v1_gabor::{FilterBank, GaborParams};
 
-use crate::ablation::ablations;
+use crate::pyramid_ablation::ablations;
 use crate::machine::Machine;
 use crate::markdown_table::MarkdownTable;
 use crate::masks::Masks;
@@ -73,7 +73,7 @@ impl AblatedScene {
         let bank = FilterBank::plan(GaborParams::default().fitted_to(size), size)
             .context("level 1 has no bank for these images")?;
         let responses = pair.as_ref().try_map(|eye| bank.respond(eye.luma()))?;
-        let row = |ablation: crate::ablation::Ablation| {
+        let row = |ablation: crate::pyramid_ablation::Ablation| {
             let field = estimate(&responses, ablation.params)?;
             let (valid, dense) = (
                 file_sign::d_of_field(&field, false),

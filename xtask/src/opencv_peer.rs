@@ -27,7 +27,7 @@ pub(crate) struct OpenCv {
     python: PathBuf,
 }
 
-/// One thing that `python/opencv_matchers.py` does; it reads pictures and writes one array.
+/// One thing that `python/opencv_peer.py` does; it reads pictures and writes one array.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(tag = "matcher", rename_all = "snake_case")]
 pub(crate) enum Job {
@@ -117,8 +117,8 @@ impl OpenCv {
         let list = scratch.join("jobs.json");
         std::fs::write(&list, serde_json::to_vec(jobs)?)
             .with_context(|| format!("{} cannot be written", list.display()))?;
-        let script = scratch.join("opencv_matchers.py");
-        std::fs::write(&script, include_str!("../python/opencv_matchers.py"))
+        let script = scratch.join("opencv_peer.py");
+        std::fs::write(&script, include_str!("../python/opencv_peer.py"))
             .with_context(|| format!("{} cannot be written", script.display()))?;
         let mut child = Command::new(&self.python)
             .arg(&script)
