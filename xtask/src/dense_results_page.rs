@@ -95,7 +95,7 @@ fn side_by_side(comparison: &Comparison, measure: Measure, digits: usize) -> Mar
             .into_iter()
             .chain(chosen.iter().copied())
     };
-    let mut table = MarkdownTable::of(
+    let mut table = MarkdownTable::with_head(
         std::iter::once("scene".to_owned()).chain(contestants().map(|one| one.name.clone())),
     );
     for (place, scene) in comparison.best.scenes.iter().enumerate() {

@@ -93,7 +93,7 @@ pub(crate) fn dense(
     Ok(matcher.estimate(&views, search)?)
 }
 
-fn vector(eyes: &Binocular<&LumaImage>) -> anyhow::Result<DisparityField> {
+pub(crate) fn vector(eyes: &Binocular<&LumaImage>) -> anyhow::Result<DisparityField> {
     let size = eyes.left.size();
     let bank = FilterBank::plan(GaborParams::default().fitted_to(size), size)
         .context("level 1 has no bank for these images")?;

@@ -20,6 +20,7 @@ use crate::machine::Machine;
 use crate::manifest::{ListedScene, Manifest};
 use crate::marks;
 use crate::masks::Masks;
+use crate::pyramid_ablation_run::{AblatedScene, AblationRun};
 use crate::results_page::results_page;
 use crate::score::Score;
 use crate::score_tables;
@@ -42,6 +43,7 @@ Examples:
   cargo xtask eval-middlebury --estimator dense --ablate --results out/ablation.md
   cargo xtask eval-middlebury --check --json out/eval.json --results out/results.md
   cargo xtask eval-middlebury --table1
+  cargo xtask eval-middlebury --ablate --scene venus
   cargo xtask eval-middlebury --data ~/data --download --from https://HOST/data
 
 A data folder holds scenes as stereo/SET/SCENE; each has scene.toml beside its pictures. Middlebury's
@@ -75,9 +77,9 @@ pub(crate) struct Options {
     /// Print how well the confidence orders the errors: the area under the sparsification curve
     #[arg(long)]
     sparsification: bool,
-    /// Instead, leave out each ingredient of the dense estimator's preset in turn, print what that
-    /// costs, and write it to --results
-    #[arg(long)]
+    /// Instead, leave out each ingredient of the estimator in turn and print what that costs; the
+    /// vector pyramid's goes to docs/ablation.md, that of a dense preset to --results
+    #[arg(long, conflicts_with_all = ["table1", "pictures", "check"])]
     ablate: bool,
     /// Fail if an error is above its bound (dense, visible pixels: venus 0.45, sawtooth 0.70,
     /// tsukuba 0.70 px)
@@ -104,7 +106,10 @@ pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
         return table_1(&data, options);
     }
     if options.ablate {
-        return ablate(&data, options);
+        return match options.estimator {
+            Estimator::Vector => ablate_vector(&data, options),
+            Estimator::Dense => ablate_dense(&data, options),
+        };
     }
     let evaluation = Evaluation {
         schema: Evaluation::SCHEMA,
@@ -124,7 +129,7 @@ pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
 }
 
 /// Prints the ablation, and writes it as a page of its own if one is named.
-fn ablate(data: &Path, options: &Options) -> anyhow::Result<()> {
+fn ablate_dense(data: &Path, options: &Options) -> anyhow::Result<()> {
     let scenes = dense_scenes(data, &options.scene)?;
     let progress = progress(options.quiet);
     let table = ablation::table(&scenes, options.preset.params(), |variant| {
@@ -303,6 +308,41 @@ fn table_1(data: &Path, options: &Options) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Matches with each ingredient off in turn, prints the means and writes the page.
+fn ablate_vector(data: &Path, options: &Options) -> anyhow::Result<()> {
+    let scenes = dense_scenes(data, &options.scene)?;
+    let progress = progress(options.quiet);
+    progress.set_length(scenes.len() as u64);
+    let mut run = AblationRun {
+        schema: AblationRun::SCHEMA,
+        date: date::today(),
+        machine: Machine::this(),
+        scenes: Vec::new(),
+    };
+    for (scene, truth) in scenes {
+        let name = scene.description.name.clone();
+        progress.set_message(name.clone());
+        let scene = AblatedScene::of(&scene, &truth).with_context(|| format!("scene {name}"))?;
+        run.scenes.push(scene);
+        progress.inc(1);
+    }
+    progress.finish_and_clear();
+    println!("Means over the scenes, px\n{}", run.table());
+    if let Some(path) = &options.json {
+        write_file(path, &serde_json::to_vec_pretty(&run)?)?;
+    }
+    let docs = || {
+        let all = options.scene.is_empty();
+        all.then(docs_folder)
+            .flatten()
+            .map(|docs| docs.join("ablation.md"))
+    };
+    if let Some(path) = options.results.clone().or_else(docs) {
+        write_file(&path, run.page().as_bytes())?;
+    }
+    Ok(())
+}
+
 /// The scenes of Table 1 in its order; all of them must be there.
 fn in_order(
     mut scenes: Vec<(StereoScene, Array2<f32>)>,
@@ -371,7 +411,7 @@ pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
 }
 
 /// A bar on standard error; nothing at all if that is no terminal.
-fn progress(quiet: bool) -> ProgressBar {
+pub(crate) fn progress(quiet: bool) -> ProgressBar {
     let target = if quiet {
         ProgressDrawTarget::hidden()
     } else {

@@ -8,6 +8,7 @@
 )]
 
 mod ablation;
+mod alteration;
 mod bank_pictures;
 mod bounds;
 mod calculus_pictures;
@@ -17,6 +18,7 @@ mod compare_opencv;
 mod comparison;
 mod continuous;
 mod cpu_clock;
+mod curve_svg;
 mod data_folder;
 mod date;
 mod dense_results_page;
@@ -24,9 +26,16 @@ mod docs_folder;
 mod download;
 mod error_picture;
 mod estimator;
+mod eval_flow;
 mod eval_middlebury;
+mod eval_robustness;
+mod eval_vergent;
 mod evaluation;
 mod export_gqr;
+mod flow_errors;
+mod flow_page;
+mod flow_run;
+mod homography;
 mod lot;
 mod machine;
 mod manifest;
@@ -35,9 +44,19 @@ mod marks;
 mod masks;
 mod metrics;
 mod opencv;
+mod opencv_peer;
 mod phase_statistics;
+mod point_errors;
+mod population_pictures;
+mod pyramid_ablation;
+mod pyramid_ablation_run;
 mod python_environment;
+mod resample;
 mod results_page;
+mod robustness_marks;
+mod robustness_page;
+mod robustness_run;
+mod robustness_series;
 mod score;
 mod score_tables;
 mod sha256;
@@ -48,6 +67,7 @@ mod table_1_page;
 mod table_1_row;
 mod table_1_run;
 mod textured;
+mod vergent_run;
 mod visible;
 
 use std::process::ExitCode;
@@ -67,6 +87,7 @@ struct Tasks {
 #[derive(Debug, Subcommand)]
 enum Task {
     BankPictures(bank_pictures::Options),
+    EvalFlow(eval_flow::Options),
     EvalMiddlebury(eval_middlebury::Options),
     CheckSoundness(check_soundness::Options),
     SoakMemory(soak_memory::Options),
@@ -75,12 +96,16 @@ enum Task {
     CalculusResults(calculus_results::Options),
     #[command(name = "compare-opencv")]
     CompareOpencv(compare_opencv::Options),
+    EvalRobustness(eval_robustness::Options),
+    EvalVergent(eval_vergent::Options),
+    PopulationPictures(population_pictures::Options),
 }
 
 fn main() -> ExitCode {
     let Tasks { task } = Tasks::parse();
     let done = match task {
         Task::BankPictures(options) => bank_pictures::run(&options),
+        Task::EvalFlow(options) => eval_flow::run(&options),
         Task::EvalMiddlebury(options) => eval_middlebury::run(&options),
         Task::CheckSoundness(options) => check_soundness::run(&options),
         Task::SoakMemory(options) => soak_memory::run(&options),
@@ -88,6 +113,9 @@ fn main() -> ExitCode {
         Task::CalculusPictures(options) => calculus_pictures::run(&options),
         Task::CalculusResults(options) => calculus_results::run(&options),
         Task::CompareOpencv(options) => compare_opencv::run(&options),
+        Task::EvalRobustness(options) => eval_robustness::run(&options),
+        Task::EvalVergent(options) => eval_vergent::run(&options),
+        Task::PopulationPictures(options) => population_pictures::run(&options),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

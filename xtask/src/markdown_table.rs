@@ -17,8 +17,8 @@ impl MarkdownTable {
         }
     }
 
-    /// A table with as many columns as there are heads.
-    pub(crate) fn of(head: impl IntoIterator<Item = String>) -> Self {
+    /// A table with as many columns as there are heads, and no row yet.
+    pub(crate) fn with_head(head: impl IntoIterator<Item = String>) -> Self {
         Self {
             rows: vec![head.into_iter().collect()],
         }

@@ -49,21 +49,26 @@
 //!
 //! [`estimate_monogenic`] takes the same steps over responses that know one orientation a pixel
 //! ([`v1_gabor::MonogenicResponses`]), with fits over neighbourhoods in place of orientations.
+mod between;
 mod coarse_to_fine;
 mod dense;
 mod disparity_field;
 mod estimate;
 mod estimate_monogenic;
+mod estimate_population;
 mod expand;
 mod fill;
+mod flow_params;
 mod left_right;
 mod match_params;
 mod median;
 mod median_network;
 mod phase;
 mod pooled_fit;
+mod population;
 mod refine;
 mod robust_fit;
+mod start;
 mod tile;
 mod validity;
 mod vector;
@@ -76,5 +81,8 @@ pub use dense::{
 pub use disparity_field::{Disparity, DisparityField, NotAField};
 pub use estimate::{Mismatch, estimate};
 pub use estimate_monogenic::estimate_monogenic;
+pub use estimate_population::estimate_population;
 pub use match_params::{MatchParams, MedianRadius};
+pub use population::{Population, binocular_energy};
+pub use start::{CoarseVotes, Start};
 pub use validity::Validity;

@@ -2,6 +2,7 @@ use clap::{CommandFactory as _, Parser, Subcommand, error::ErrorKind};
 
 use crate::compose_arguments::ComposeArguments;
 use crate::demo_arguments::DemoArguments;
+use crate::flow_arguments::FlowArguments;
 use crate::look_arguments::LookArguments;
 use crate::memory_arguments::MemoryArguments;
 use crate::network_arguments::NetworkArguments;
@@ -32,6 +33,8 @@ pub(crate) enum Command {
     Look(LookArguments),
     /// Looks at a real pair and a rendered room, and compares with the truth
     Demo(DemoArguments),
+    /// Finds how every point moves between two frames of one eye, and writes it
+    Flow(FlowArguments),
     /// Filters one picture as primary visual cortex does, and writes what it finds
     V1(V1Arguments),
     /// Prints a composition table of the qualitative calculus
@@ -52,6 +55,8 @@ Examples:
       Disparity alone.
   dorsal look left.png right.png --out out --rig rig.toml --labels labels.toml
       Depth in metres, and the relations of the labelled objects.
+  dorsal flow frame1.png frame2.png --out out
+      Optic flow between two moments of one eye.
   dorsal v1 left.png --out out
       What the first level knows of one picture: responses, orientations, edges.
   dorsal tables --system drs1 --case 1
@@ -90,6 +95,7 @@ impl Command {
             | Self::Tables(_)
             | Self::Compose(_)
             | Self::Network(_)
+            | Self::Flow(_)
             | Self::Memory(_) => None,
         }
     }

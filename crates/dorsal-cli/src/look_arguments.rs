@@ -178,7 +178,7 @@ pub(crate) fn is_toml(path: &Path) -> bool {
         .is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
 }
 
-fn scales(text: &str) -> Result<usize, String> {
+pub(crate) fn scales(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(scales @ 1..=32) => Ok(scales),
         _ => Err("a whole number from 1 to 32 is needed".to_owned()),
@@ -202,7 +202,7 @@ fn pixels(text: &str) -> Result<i32, String> {
     }
 }
 
-fn energy(text: &str) -> Result<f32, String> {
+pub(crate) fn energy(text: &str) -> Result<f32, String> {
     match text.parse() {
         Ok(energy) if (0.0..=f32::MAX).contains(&energy) => Ok(energy),
         _ => Err("a finite number that is not negative is needed".to_owned()),

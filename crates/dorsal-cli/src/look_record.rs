@@ -52,7 +52,7 @@ pub(crate) struct Inputs {
 }
 
 #[derive(Debug, Serialize)]
-struct Filters {
+pub(crate) struct Filters {
     orientations: usize,
     scales: usize,
     peak_frequency: f32,
@@ -61,7 +61,7 @@ struct Filters {
 }
 
 #[derive(Debug, Serialize)]
-struct Matching {
+pub(crate) struct Matching {
     energy_threshold: f32,
     /// In the sign of files; the vertical shift is 0.
     zero_disparity_px: f32,
@@ -93,7 +93,7 @@ struct DenseMatching {
 }
 
 #[derive(Debug, Serialize)]
-struct Counts {
+pub(crate) struct Counts {
     valid: usize,
     no_energy: usize,
     incoherent: usize,
@@ -162,7 +162,7 @@ impl LookRecord {
 }
 
 impl Filters {
-    fn of(params: &GaborParams) -> Self {
+    pub(crate) fn of(params: &GaborParams) -> Self {
         Self {
             orientations: params.orientations,
             scales: params.scales,
@@ -174,7 +174,7 @@ impl Filters {
 }
 
 impl Matching {
-    fn of(params: &MatchParams) -> Self {
+    pub(crate) fn of(params: &MatchParams) -> Self {
         Self {
             energy_threshold: params.energy_threshold,
             zero_disparity_px: 0.0 - params.zero_disparity_px.0,
@@ -227,7 +227,7 @@ impl DenseMatching {
 }
 
 impl Counts {
-    fn of(field: &DisparityField) -> Self {
+    pub(crate) fn of(field: &DisparityField) -> Self {
         let validity = field.validity();
         let count = |wanted| {
             validity

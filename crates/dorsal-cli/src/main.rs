@@ -9,6 +9,9 @@ mod demo;
 mod demo_arguments;
 mod demo_scene;
 mod facts;
+mod flow;
+mod flow_arguments;
+mod flow_record;
 mod label_picture;
 mod look;
 mod look_arguments;
@@ -60,6 +63,7 @@ fn main() -> ExitCode {
     let done = match &arguments.command {
         Command::Look(look) => look::look(look, &mut out),
         Command::Demo(demo) => demo::demo(demo, &mut out),
+        Command::Flow(arguments) => flow::flow(arguments, &mut out),
         Command::V1(arguments) => v1::v1(arguments, &mut out),
         Command::Tables(tables) => tables::tables(tables, &mut out),
         Command::Compose(compose) => compose::compose(compose, &mut out),

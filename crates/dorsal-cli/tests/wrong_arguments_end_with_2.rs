@@ -19,6 +19,7 @@ fn what_is_missing_or_unknown_is_named() {
     refused("look left.png right.png", "--out <DIR>");
     refused("look l.png r.png --out o --colour", "--colour");
     refused("demo", "--out <DIR>");
+    refused("flow frame1.png --out o", "<NEXT>");
     refused("v1 left.png", "--out <DIR>");
     refused("tables --case 1", "--system <SYSTEM>");
 }
@@ -74,6 +75,7 @@ fn help_and_version_are_no_failure() {
         "look --help",
         "demo --help",
         "tables --help",
+        "flow --help",
         "v1 --help",
     ] {
         let said = dorsal(line.split_whitespace());

@@ -45,6 +45,7 @@ pub mod contact_sheet;
 pub mod depth_png;
 pub mod file_sign;
 pub mod flo;
+pub mod flow_picture;
 pub mod hue;
 pub mod kitti_png;
 pub mod label_png;

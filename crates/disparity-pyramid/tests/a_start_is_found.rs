@@ -1,0 +1,97 @@
+//! Shifts far beyond the reach of any phase are found without a hint.
+mod texture;
+
+use disparity_pyramid::{CoarseVotes, MatchParams, Start, estimate};
+use proptest::prelude::*;
+use texture::{Texture, respond};
+use v1_gabor::Size;
+
+const SIZE: Size = Size {
+    width: 320,
+    height: 200,
+};
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(4))]
+
+    /// The start lies within its own reach of the truth, and the pyramid arrives from there.
+    #[test]
+    fn a_far_shift(seed in 0u64..1000, dx in -120.0f64..120.0, dy in -16.0f64..16.0) {
+        let texture = Texture::new(seed);
+        let eyes = respond(SIZE, |x, y| texture.at(x, y), |x, y| texture.at(x - dx, y - dy));
+        let start = Start::find(&eyes).expect("half of the picture is seen twice");
+        let (miss_x, miss_y) = (f64::from(start.shift_px.0) - dx, f64::from(start.shift_px.1) - dy);
+        let reach = f64::from(start.reach_px);
+        prop_assert!(miss_x.abs() <= reach + 4.0 && miss_y.abs() <= reach + 4.0, "{start:?}");
+        let params = MatchParams {
+            zero_disparity_px: start.shift_px,
+            ..MatchParams::default()
+        };
+        let field = estimate(&eyes, params).unwrap();
+        let x = 160usize.saturating_add_signed((-dx / 2.0) as isize);
+        let found = field.guess(x, 100);
+        prop_assert!((f64::from(found.dx) - dx).abs() < 0.1 && (f64::from(found.dy) - dy).abs() < 0.1);
+    }
+}
+
+/// A near board before a far wall, farther apart than one search should reach: each pixel gets the
+/// field of its own start.
+#[test]
+fn board_and_wall_have_a_start_each() {
+    let (near, far) = (Texture::new(3), Texture::new(4));
+    let board = |x: f64, y: f64| (130.0..250.0).contains(&x) && (40.0..160.0).contains(&y);
+    let (near_dx, far_dx) = (-90.0, -20.0);
+    let eyes = respond(
+        SIZE,
+        |x, y| {
+            if board(x, y) {
+                near.at(x, y)
+            } else {
+                far.at(x, y)
+            }
+        },
+        |x, y| {
+            if board(x - near_dx, y) {
+                near.at(x - near_dx, y)
+            } else {
+                far.at(x - far_dx, y)
+            }
+        },
+    );
+    let votes = CoarseVotes::count(&eyes).expect("both are seen twice");
+    let starts = votes.starts();
+    assert!(starts.len() >= 2, "{starts:?}");
+    let fields: Vec<_> = starts
+        .iter()
+        .map(|start| {
+            let params = MatchParams {
+                zero_disparity_px: start.shift_px,
+                ..MatchParams::default()
+            };
+            estimate(&eyes, params).unwrap()
+        })
+        .collect();
+    let field = votes.choose(&fields).expect("fields of one size");
+    for ((x, y), dx) in [
+        ((190, 100), near_dx),
+        ((60, 100), far_dx),
+        ((290, 20), far_dx),
+    ] {
+        let found = field.guess(x, y);
+        assert!(
+            (f64::from(found.dx) - dx).abs() < 0.1,
+            "({x}, {y}): {found:?}"
+        );
+    }
+    assert!(votes.choose(&[]).is_none());
+}
+
+#[test]
+fn where_nothing_is_seen_there_is_no_start() {
+    let eyes = respond(SIZE, |_, _| 0.5, |_, _| 0.5);
+    assert_eq!(Start::find(&eyes), None);
+    let (one, other) = (Texture::new(1), Texture::new(2));
+    let strangers = respond(SIZE, |x, y| one.at(x, y), |x, y| other.at(x, y));
+    // Windows of noise agree here and there by chance, hardly ever from both eyes.
+    assert!(Start::find(&strangers).is_none_or(|start| start.mutual < 0.2));
+}

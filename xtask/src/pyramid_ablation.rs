@@ -1,0 +1,77 @@
+use disparity_pyramid::{MatchParams, MedianRadius};
+
+/// The vector pyramid with one of its ingredients left out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Ablation {
+    /// What is left out, in words.
+    pub(crate) without: &'static str,
+    /// The parameters that are left.
+    pub(crate) params: MatchParams,
+}
+
+/// The default first, then each ingredient off in turn, then all of them: the paper's own steps.
+pub(crate) fn ablations() -> [Ablation; 9] {
+    let all = MatchParams::default();
+    let without = |without, params| Ablation { without, params };
+    [
+        without("nothing (the default)", all),
+        without(
+            "further warps: one a scale",
+            MatchParams {
+                warps: 1,
+                finest_warps: 1,
+                ..all
+            },
+        ),
+        without(
+            "robust rounds: a plain fit",
+            MatchParams {
+                robust_rounds: 0,
+                ..all
+            },
+        ),
+        without("medians", MatchParams { medians: 0, ..all }),
+        without(
+            "wide medians: 3 x 3 once",
+            MatchParams {
+                medians: 1,
+                median_radius: MedianRadius::One,
+                ..all
+            },
+        ),
+        without(
+            "coherence: every fit counts",
+            MatchParams {
+                least_coherence: -1.0,
+                ..all
+            },
+        ),
+        without(
+            "the vertical prior",
+            MatchParams {
+                vertical_prior: 0.0,
+                ..all
+            },
+        ),
+        without(
+            "the look back",
+            MatchParams {
+                left_right_px: None,
+                ..all
+            },
+        ),
+        without("all of them (as published)", MatchParams::as_published()),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_row_differs_from_the_default() {
+        let [default, rest @ ..] = ablations();
+        assert_eq!(default.params, MatchParams::default());
+        assert!(rest.iter().all(|row| row.params != default.params));
+    }
+}
