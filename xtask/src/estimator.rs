@@ -93,6 +93,7 @@ pub(crate) fn dense(
     Ok(matcher.estimate(&views, search)?)
 }
 
+/// The disparity of a pair by the vector pyramid with its default parameters.
 pub(crate) fn vector(eyes: &Binocular<&LumaImage>) -> anyhow::Result<DisparityField> {
     let size = eyes.left.size();
     let bank = FilterBank::plan(GaborParams::default().fitted_to(size), size)

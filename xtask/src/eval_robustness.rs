@@ -230,7 +230,7 @@ impl<'a> Bench<'a> {
                 jobs.push(Job::Bm(job("bm")));
             }
             let eyes = seen.try_map(|grey| LumaImage::new(grey.mapv(|g| f32::from(g) / 255.0)))?;
-            let field = vector(&eyes)?;
+            let field = vector(&eyes.as_ref())?;
             let truth = self.truth_of(alteration);
             trials.push(self.judge(&field, &truth));
             truths.push(truth);
