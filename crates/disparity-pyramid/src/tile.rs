@@ -213,7 +213,7 @@ impl<const ORIENTATIONS: usize> Load<ORIENTATIONS> {
     fn parts<S: Simd>(self, simd: S, pixel: &[f32]) -> (S::f32s, S::f32s) {
         let Self { orientations, q } = self;
         // Whole vectors, if the number is known to be a multiple of them.
-        if ORIENTATIONS != 0 && ORIENTATIONS % TILE == 0 {
+        if ORIENTATIONS != 0 && ORIENTATIONS.is_multiple_of(TILE) {
             let (even, odd) = (q, ORIENTATIONS + q);
             return (vector(simd, pixel, even), vector(simd, pixel, odd));
         }

@@ -48,6 +48,10 @@ impl Responses {
     /// orientations, then the odd (imaginary) ones. For who walks whole rows.
     #[inline(always)]
     #[must_use]
+    #[expect(
+        clippy::missing_panics_doc,
+        reason = "samples are never out of row-major order"
+    )]
     pub fn samples(&self) -> &[f32] {
         self.samples
             .as_slice()
