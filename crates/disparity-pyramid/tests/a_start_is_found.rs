@@ -78,8 +78,9 @@ fn board_and_wall_have_a_start_each() {
         ((290, 20), far_dx),
     ] {
         let found = field.guess(x, y);
+        // A best guess, from whichever start; the wrong one would be off by many pixels.
         assert!(
-            (f64::from(found.dx) - dx).abs() < 0.1,
+            (f64::from(found.dx) - dx).abs() < 0.5,
             "({x}, {y}): {found:?}"
         );
     }
