@@ -14,7 +14,7 @@ pub struct MatchParams {
     /// since natural images have a mean instantaneous frequency below the peak frequency.
     pub warps: usize,
     /// Warps at the finest scale, which costs three quarters of the time of all; a second one takes
-    /// 2 to 4 % off the error of the best guess and nothing off that of the valid pixels.
+    /// 2 to 6 % off the error of the best guess and nothing off that of the valid pixels.
     pub finest_warps: usize,
     /// Rounds of robust reweighting of the orientations in each least-squares fit; 0 is the plain
     /// fit of equation 3.
@@ -35,8 +35,8 @@ pub struct MatchParams {
     pub fill_neighbours: Option<usize>,
     /// How far the way there and back may miss its start, in pixels; `None` asks one way only.
     pub left_right_px: Option<f32>,
-    /// The scale at which the way back is found, 0 being the image's own. At 1 it costs a third, and
-    /// tells an occlusion as well.
+    /// The scale at which the way back is found, 0 being the image's own. At 1 the default takes two
+    /// fifths of the warps for it that 0 would.
     pub look_back_scale: usize,
 }
 

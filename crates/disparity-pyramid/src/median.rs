@@ -21,8 +21,8 @@ pub(crate) fn median_of_known(plane: ArrayView2<'_, f32>, radius: MedianRadius) 
     let (height, width) = plane.dim();
     let stride = width.next_multiple_of(MOST_LANES) + 2 * reach;
     let mut padded = vec![f32::NAN; stride * (height + 2 * reach)];
-    // Whether some value of so many is unknown, row by row. Replacing the unknown ones takes a third
-    // of the time, and most windows have none.
+    // Whether some value of so many is unknown, row by row. Most windows have none, and
+    // nothing is replaced there.
     let blocks = stride.div_ceil(MOST_LANES);
     let mut unknown = vec![true; blocks * (height + 2 * reach)];
     for ((row, padded), unknown) in plane
