@@ -1,6 +1,7 @@
 use ndarray::Array2;
 
 use crate::Size;
+use crate::samples::Samples;
 use crate::strip_kernel::{StripKernel, StripWorkspace};
 
 /// The buffers that a [`FilterBank`](crate::FilterBank) works in, planned once and used for any
@@ -14,7 +15,7 @@ pub struct BankWorkspace {
     pub(crate) coarser: Vec<Array2<f32>>,
     pub(crate) bands: Vec<BandWorkspace>,
     /// One row of responses, for those who want them row by row; empty until then.
-    pub(crate) responses: Vec<f32>,
+    pub(crate) responses: Samples,
     /// [`StripKernel::shape`] of the kernel that the bands were planned for.
     kernel: (usize, usize, usize),
     /// Size of the image.
@@ -50,7 +51,7 @@ impl BankWorkspace {
         Self {
             coarser: sizes.map(|size| Array2::zeros(size.dim())).collect(),
             bands: vec![band; bands],
-            responses: Vec::new(),
+            responses: Samples::zeros(0),
             kernel: kernel.shape(),
             finest,
         }

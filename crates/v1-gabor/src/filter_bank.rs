@@ -1,10 +1,11 @@
-use ndarray::{Array2, Array3, ArrayView2};
+use ndarray::{Array2, ArrayView2};
 use num_complex::Complex32;
 use rayon::prelude::*;
 
 use crate::bank_workspace::BandWorkspace;
 use crate::dispatch::Rows;
 use crate::pyramid::{reduce, reduce_into};
+use crate::samples::Samples;
 use crate::separable::Separable;
 use crate::separable_pass::SeparablePass;
 use crate::strip_kernel::StripKernel;
@@ -219,7 +220,11 @@ impl FilterBank {
         let BankWorkspace {
             bands, responses, ..
         } = workspace;
-        responses.resize(self.size.width * 2 * self.params.orientations, 0.0);
+        let row = self.size.width * 2 * self.params.orientations;
+        if responses.as_slice().len() != row {
+            *responses = Samples::zeros(row);
+        }
+        let responses = responses.as_mut_slice();
         if Rows::are_compiled_for(self.params.radius) {
             for y in 0..self.size.height {
                 self.respond_at_rows(image.plane(), y, &mut bands[0], responses);
@@ -240,10 +245,9 @@ impl FilterBank {
     /// The responses to a black image: what [`respond_into`](Self::respond_into) writes over.
     #[must_use]
     pub fn silence(&self) -> V1Responses {
-        let parts = 2 * self.params.orientations;
-        let scales = self.sizes().map(|size| {
-            Responses::new(self.params, Array3::zeros((size.height, size.width, parts)))
-        });
+        let scales = self
+            .sizes()
+            .map(|size| Responses::silence(self.params, size));
         V1Responses::new(self.params, scales.collect())
     }
 

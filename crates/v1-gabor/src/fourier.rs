@@ -1,4 +1,4 @@
-use ndarray::{Array2, Array3, ArrayView2};
+use ndarray::{Array2, ArrayView2};
 use num_complex::Complex32;
 
 use crate::filter_bank::pad;
@@ -26,7 +26,8 @@ impl FilterBank {
         transform(&mut spectrum, Direction::Forward);
 
         let orientations = params.orientations;
-        let mut samples = Array3::zeros((size.height, size.width, 2 * orientations));
+        let mut responses = Responses::silence(params, size);
+        let samples = responses.samples_mut();
         for q in 0..orientations {
             // A correlation is a convolution with the filter turned round, so tap k goes to -k,
             // counted cyclically. A further shift by the radius drops the padding at the same time:
@@ -41,11 +42,12 @@ impl FilterBank {
             let scale = 1.0 / (dim.0 * dim.1) as f32;
             for y in 0..size.height {
                 for x in 0..size.width {
-                    samples[[y, x, q]] = filter[[y, x]].re * scale;
-                    samples[[y, x, orientations + q]] = filter[[y, x]].im * scale;
+                    let pixel = (y * size.width + x) * 2 * orientations;
+                    samples[pixel + q] = filter[[y, x]].re * scale;
+                    samples[pixel + orientations + q] = filter[[y, x]].im * scale;
                 }
             }
         }
-        Responses::new(params, samples)
+        responses
     }
 }

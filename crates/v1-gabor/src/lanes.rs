@@ -1,3 +1,5 @@
+use std::ops::{Deref, DerefMut};
+
 use crate::machine::Machine;
 use crate::separable::Kernel;
 
@@ -21,18 +23,67 @@ pub(crate) const WINDOW: usize = 32;
 pub(crate) const STRIP: usize = 128;
 
 /// One row of a strip: the strip, the taps on either side, and what the last window reads beyond.
-/// Not a power of two long, which would crowd a few cache sets.
-pub(crate) type Row = [f32; STRIP + 2 * WINDOW + 16];
+/// Not a power of two long, which would crowd a few cache sets, and begun at a cache line, so that
+/// whole vectors are stored without crossing one.
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+pub(crate) struct Row([f32; STRIP + 2 * WINDOW + 16]);
 
-/// A row of nothing.
-pub(crate) const EMPTY: Row = [0.0; STRIP + 2 * WINDOW + 16];
+impl Row {
+    /// A row of nothing.
+    pub(crate) const EMPTY: Self = Self([0.0; STRIP + 2 * WINDOW + 16]);
+
+    /// As many values as there are lanes, from `start` on.
+    #[inline(always)]
+    pub(crate) fn lanes<const LANES: usize>(&self, start: usize) -> &Lanes<LANES> {
+        lanes_at(&self.0, start)
+    }
+
+    /// The same, to be written.
+    #[inline(always)]
+    pub(crate) fn lanes_mut<const LANES: usize>(&mut self, start: usize) -> &mut Lanes<LANES> {
+        lanes_at_mut(&mut self.0, start)
+    }
+}
+
+impl Deref for Row {
+    type Target = [f32; STRIP + 2 * WINDOW + 16];
+
+    #[inline(always)]
+    fn deref(&self) -> &Self::Target {
+        &self.0
+    }
+}
+
+impl DerefMut for Row {
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut self.0
+    }
+}
+
+/// One number in every lane, in a cache line of its own.
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+pub(crate) struct Spread(Lanes<MOST_LANES>);
+
+impl Spread {
+    pub(crate) const fn new(value: f32) -> Self {
+        Self([value; MOST_LANES])
+    }
+
+    #[inline(always)]
+    pub(crate) fn load<const LANES: usize, M: Machine<LANES>>(&self, machine: M) -> M::Vector {
+        machine.load(lanes_at(&self.0, 0))
+    }
+}
 
 /// A kernel with each tap repeated over the lanes.
 #[derive(Clone, Debug)]
 pub(crate) struct SpreadKernel {
     /// At `0..=radius` from the centre. Kept in place rather than behind a pointer, as the loops
     /// over kernels are short.
-    taps: [Lanes<MOST_LANES>; MOST_RADIUS + 1],
+    taps: [Spread; MOST_RADIUS + 1],
 }
 
 impl SpreadKernel {
@@ -40,7 +91,7 @@ impl SpreadKernel {
     pub(crate) fn new(kernel: &Kernel, factor: f32) -> Self {
         let tap = |k: usize| kernel.taps.get(k).map_or(0.0, |tap| factor * tap);
         Self {
-            taps: std::array::from_fn(|k| [tap(k); MOST_LANES]),
+            taps: std::array::from_fn(|k| Spread::new(tap(k))),
         }
     }
 
@@ -51,7 +102,7 @@ impl SpreadKernel {
         machine: M,
         k: usize,
     ) -> M::Vector {
-        machine.load(lanes_at(&self.taps[k], 0))
+        self.taps[k].load(machine)
     }
 
     /// An even kernel's result from the middle value and the sums of those at equal distance.

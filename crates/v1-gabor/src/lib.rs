@@ -83,6 +83,7 @@ mod phase_congruency;
 mod pyramid;
 mod quadrature;
 mod responses;
+mod samples;
 mod separable;
 mod separable_pass;
 mod singularity;

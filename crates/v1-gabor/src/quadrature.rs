@@ -1,4 +1,4 @@
-use crate::lanes::{Neighbours, Row, SpreadKernel, lanes_at_mut};
+use crate::lanes::{Neighbours, Row, SpreadKernel};
 use crate::machine::Machine;
 use crate::separable::{Recipe, Separable, Term};
 
@@ -135,8 +135,8 @@ impl Quadrature {
                 for x in (0..width).step_by(LANES) {
                     let seen = Neighbours::at(row, x);
                     let parts = both::<RADIUS, LANES, M>(machine, (cosine, sine), seen);
-                    *lanes_at_mut(even, x) = machine.store(parts.0);
-                    *lanes_at_mut(odd, x) = machine.store(parts.1);
+                    *even.lanes_mut(x) = machine.store(parts.0);
+                    *odd.lanes_mut(x) = machine.store(parts.1);
                 }
             }
             Self::AlongY {
@@ -150,7 +150,7 @@ impl Quadrature {
                     for x in (0..width).step_by(LANES) {
                         let seen = Neighbours::at(row, x);
                         let value = even::<RADIUS, LANES, M>(machine, across, seen);
-                        *lanes_at_mut(out, x) = machine.store(value);
+                        *out.lanes_mut(x) = machine.store(value);
                     }
                 }
             }
@@ -171,10 +171,10 @@ impl Quadrature {
                     let (cosines, cosine_sine) = both::<RADIUS, LANES, M>(machine, kernels, seen);
                     let seen = Neighbours::at(sine_row, x);
                     let (sine_cosine, sines) = both::<RADIUS, LANES, M>(machine, kernels, seen);
-                    *lanes_at_mut(even, x) = machine.store(machine.subtract(cosines, sines));
-                    *lanes_at_mut(odd, x) = machine.store(machine.add(sine_cosine, cosine_sine));
-                    *lanes_at_mut(mirrored_even, x) = machine.store(machine.add(cosines, sines));
-                    *lanes_at_mut(mirrored_odd, x) =
+                    *even.lanes_mut(x) = machine.store(machine.subtract(cosines, sines));
+                    *odd.lanes_mut(x) = machine.store(machine.add(sine_cosine, cosine_sine));
+                    *mirrored_even.lanes_mut(x) = machine.store(machine.add(cosines, sines));
+                    *mirrored_odd.lanes_mut(x) =
                         machine.store(machine.subtract(sine_cosine, cosine_sine));
                 }
             }

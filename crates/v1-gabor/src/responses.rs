@@ -1,6 +1,7 @@
-use ndarray::{Array2, Array3};
+use ndarray::Array2;
 use num_complex::Complex32;
 
+use crate::samples::Samples;
 use crate::{GaborParams, Size};
 
 /// The complex responses of every orientation at every pixel of one scale.
@@ -11,11 +12,12 @@ use crate::{GaborParams, Size};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Responses {
     params: GaborParams,
-    /// `[[y, x, part]]`: the even (real) parts of all orientations, then the odd (imaginary) ones.
+    size: Size,
+    /// Row-major `[[y, x, part]]`: the even (real) parts of all orientations, then the odd (imaginary) ones.
     ///
     /// What one pixel says lies in one place (a cache line for eight orientations), because who
     /// reads a response at a shifted position reads all orientations there.
-    samples: Array3<f32>,
+    samples: Samples,
 }
 
 /// The even and odd parts of all orientations at one pixel, by orientation.
@@ -35,34 +37,27 @@ pub struct V1Responses {
 }
 
 impl Responses {
-    /// Takes samples `[[y, x, even parts then odd parts]]` in row-major order.
-    pub(crate) fn new(params: GaborParams, samples: Array3<f32>) -> Self {
-        debug_assert!(
-            samples.is_standard_layout() && samples.dim().2 == 2 * params.orientations,
-            "every orientation has two parts"
-        );
-        Self { params, samples }
+    /// The responses to a black image.
+    pub(crate) fn silence(params: GaborParams, size: Size) -> Self {
+        let samples = Samples::zeros(size.area() * 2 * params.orientations);
+        Self {
+            params,
+            size,
+            samples,
+        }
     }
 
     /// Every number, row-major `[[y, x, part]]`: for each pixel the even (real) parts of all
     /// orientations, then the odd (imaginary) ones. For who walks whole rows.
     #[inline(always)]
     #[must_use]
-    #[expect(
-        clippy::missing_panics_doc,
-        reason = "samples are never out of row-major order"
-    )]
     pub fn samples(&self) -> &[f32] {
-        self.samples
-            .as_slice()
-            .expect("responses are kept in row-major order")
+        self.samples.as_slice()
     }
 
     /// The samples, row-major, to be written over.
     pub(crate) fn samples_mut(&mut self) -> &mut [f32] {
-        self.samples
-            .as_slice_mut()
-            .expect("responses are kept in row-major order")
+        self.samples.as_mut_slice()
     }
 
     /// The parameters of the bank that answered. Frequencies are in radians a pixel of this scale.
@@ -74,15 +69,14 @@ impl Responses {
     /// Width and height of this scale in its own pixels.
     #[inline(always)]
     #[must_use]
-    pub fn size(&self) -> Size {
-        let (height, width, _) = self.samples.dim();
-        Size { width, height }
+    pub const fn size(&self) -> Size {
+        self.size
     }
 
     /// The number of orientations.
     #[must_use]
-    pub fn orientations(&self) -> usize {
-        self.samples.dim().2 / 2
+    pub const fn orientations(&self) -> usize {
+        self.params.orientations
     }
 
     /// The responses of all orientations at one pixel.
@@ -92,7 +86,8 @@ impl Responses {
     #[inline(always)]
     #[must_use]
     pub fn pixel(&self, x: usize, y: usize) -> PixelResponses<'_> {
-        let (height, width, parts) = self.samples.dim();
+        let Size { width, height } = self.size;
+        let parts = 2 * self.orientations();
         assert!(
             x < width && y < height,
             "no pixel ({x}, {y}) in {width} x {height}"

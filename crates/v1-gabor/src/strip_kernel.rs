@@ -1,6 +1,4 @@
-use crate::lanes::{
-    EMPTY, Lanes, MOST_LANES, Neighbours, Row, STRIP, SpreadKernel, lanes_at, lanes_at_mut,
-};
+use crate::lanes::{Lanes, Neighbours, Row, STRIP, Spread, SpreadKernel, lanes_at, lanes_at_mut};
 use crate::machine::Machine;
 use crate::quadrature::Quadrature;
 use crate::separable::{Parity, Separable, Term};
@@ -55,8 +53,8 @@ struct PlacedKernel {
 /// How one part of a response is put together, as weighted products.
 #[derive(Clone, Debug)]
 struct PartRecipe {
-    first: (Lanes<MOST_LANES>, usize),
-    others: Vec<(Lanes<MOST_LANES>, usize)>,
+    first: (Spread, usize),
+    others: Vec<(Spread, usize)>,
 }
 
 /// What the fast pass keeps between its steps; planned once, used for any number of rows.
@@ -135,9 +133,9 @@ impl StripKernel {
     pub(crate) fn workspace(&self) -> StripWorkspace {
         let (rows, products, parts) = self.shape();
         StripWorkspace {
-            rows: vec![EMPTY; rows],
-            products: vec![EMPTY; products],
-            parts: vec![EMPTY; parts],
+            rows: vec![Row::EMPTY; rows],
+            products: vec![Row::EMPTY; products],
+            parts: vec![Row::EMPTY; parts],
         }
     }
 
@@ -263,11 +261,11 @@ impl StripKernel {
         let (even, odd) = rows.split_at_mut(self.vertical.even.len());
         for (PlacedKernel { kernel, .. }, row) in self.vertical.even.iter().zip(even) {
             let value = kernel.even::<RADIUS, LANES, M>(machine, middle, &sums);
-            *lanes_at_mut(row, place) = machine.store(value);
+            *row.lanes_mut(place) = machine.store(value);
         }
         for (PlacedKernel { kernel, .. }, row) in self.vertical.odd.iter().zip(odd) {
             let value = kernel.odd::<RADIUS, LANES, M>(machine, &differences);
-            *lanes_at_mut(row, place) = machine.store(value);
+            *row.lanes_mut(place) = machine.store(value);
         }
     }
 }
@@ -290,14 +288,14 @@ impl Products {
                     let sums = seen.sums(machine);
                     for PlacedKernel { kernel, place } in &stage.even {
                         let value = kernel.even::<RADIUS, LANES, M>(machine, middle, &sums);
-                        *lanes_at_mut(&mut products[*place], x) = machine.store(value);
+                        *products[*place].lanes_mut(x) = machine.store(value);
                     }
                 }
                 if !stage.odd.is_empty() {
                     let differences = seen.differences(machine);
                     for PlacedKernel { kernel, place } in &stage.odd {
                         let value = kernel.odd::<RADIUS, LANES, M>(machine, &differences);
-                        *lanes_at_mut(&mut products[*place], x) = machine.store(value);
+                        *products[*place].lanes_mut(x) = machine.store(value);
                     }
                 }
             }
@@ -316,13 +314,13 @@ impl Products {
         for (recipe, part) in self.parts.iter().zip(parts) {
             for x in (0..width).step_by(LANES) {
                 let (weight, product) = &recipe.first;
-                let product = machine.load(lanes_at(&products[*product], x));
-                let mut sum = machine.multiply(machine.load(lanes_at(weight, 0)), product);
+                let product = machine.load(products[*product].lanes(x));
+                let mut sum = machine.multiply(weight.load(machine), product);
                 for (weight, product) in &recipe.others {
-                    let product = machine.load(lanes_at(&products[*product], x));
-                    sum = machine.multiply_add(machine.load(lanes_at(weight, 0)), product, sum);
+                    let product = machine.load(products[*product].lanes(x));
+                    sum = machine.multiply_add(weight.load(machine), product, sum);
                 }
-                *lanes_at_mut(part, x) = machine.store(sum);
+                *part.lanes_mut(x) = machine.store(sum);
             }
         }
     }
@@ -330,9 +328,9 @@ impl Products {
 
 impl PartRecipe {
     fn new(terms: &[Term]) -> Self {
-        let mut terms = terms.iter().map(|t| ([t.weight; MOST_LANES], t.product));
+        let mut terms = terms.iter().map(|t| (Spread::new(t.weight), t.product));
         Self {
-            first: terms.next().unwrap_or(([0.0; MOST_LANES], 0)),
+            first: terms.next().unwrap_or((Spread::new(0.0), 0)),
             others: terms.collect(),
         }
     }
@@ -347,9 +345,9 @@ fn interleave<const LANES: usize, M: Machine<LANES>>(machine: M, parts: &[Row], 
     for (block, out) in blocks.chunks_exact_mut(LANES * stride).enumerate() {
         let (squares, others) = parts.as_chunks::<LANES>();
         for (square, parts) in squares.iter().enumerate() {
-            let mut rows = [machine.load(lanes_at(&parts[0], block * LANES)); LANES];
+            let mut rows = [machine.load(parts[0].lanes(block * LANES)); LANES];
             for part in 1..LANES {
-                rows[part] = machine.load(lanes_at(&parts[part], block * LANES));
+                rows[part] = machine.load(parts[part].lanes(block * LANES));
             }
             let pixels = machine.turn(rows);
             for pixel in 0..LANES {
