@@ -1,11 +1,11 @@
 //! What each ingredient of the dense estimator is worth.
 
+use cpu_time::ProcessTime;
 use disparity_pyramid::{Acuity, Cost, DenseParams, LookBack};
 use ndarray::Array2;
 use stereo_formats::file_sign;
 use stereo_formats::scene_folder::StereoScene;
 
-use crate::cpu_clock::CpuClock;
 use crate::estimator::{dense, search_of};
 use crate::markdown_table::MarkdownTable;
 use crate::masks::Masks;
@@ -94,7 +94,7 @@ pub(crate) fn table(
         for (scene, truth) in scenes {
             let pair = scene.pair()?;
             let masks = Masks::of(scene, truth.view(), pair.left.rgb())?;
-            let clock = CpuClock::start();
+            let clock = ProcessTime::now();
             let field = dense(params, &pair, search_of(truth.view())?)?;
             let seconds = clock.elapsed().as_secs_f64();
             let d = file_sign::d_of_field(&field, true);

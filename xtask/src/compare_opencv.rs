@@ -2,6 +2,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Args;
+use cpu_time::ProcessTime;
 use disparity_pyramid::{DisparityField, Validity};
 use ndarray::{Array2, ArrayView2};
 use stereo_formats::file_sign;
@@ -9,7 +10,6 @@ use stereo_formats::scene_folder::StereoScene;
 use v1_gabor::Size;
 
 use crate::comparison::{Comparison, Contestant, OnScene};
-use crate::cpu_clock::CpuClock;
 use crate::date;
 use crate::dense_results_page::dense_results_page;
 use crate::estimator::{Preset, dense, search_of};
@@ -120,7 +120,7 @@ fn compare(
             .into_iter()
             .zip(ours.iter_mut().zip(&mut scores))
         {
-            let clock = CpuClock::start();
+            let clock = ProcessTime::now();
             let field = one.install(|| dense(preset.params(), &pair, search))?;
             let took = clock.elapsed();
             let d = file_sign::d_of_field(&field, true);

@@ -17,7 +17,6 @@ mod check_soundness;
 mod compare_opencv;
 mod comparison;
 mod continuous;
-mod cpu_clock;
 mod curve_svg;
 mod data_folder;
 mod date;

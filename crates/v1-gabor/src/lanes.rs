@@ -20,7 +20,7 @@ pub(crate) const WINDOW: usize = 32;
 
 /// Columns filtered before the next: the rows that the kernels give for one strip stay in the first
 /// cache.
-pub(crate) const STRIP: usize = 128;
+pub(crate) const STRIP: usize = 96;
 
 /// One row of a strip: the strip, the taps on either side, and what the last window reads beyond.
 /// Not a power of two long, which would crowd a few cache sets, and begun at a cache line, so that

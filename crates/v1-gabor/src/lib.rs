@@ -57,6 +57,7 @@
 //! how many threads it has. The machine's vector width is found at run time; between AVX2 and the
 //! base instructions ([`Instructions`]) the last bits differ, as one fuses additions.
 //! [`FilterBank::respond_into`] works in planned buffers, for frame after frame.
+mod ahead;
 mod amplitude;
 mod bank_workspace;
 mod binocular;

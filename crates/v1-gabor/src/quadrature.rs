@@ -1,3 +1,4 @@
+use crate::ahead::Ahead;
 use crate::lanes::{Neighbours, Row, SpreadKernel};
 use crate::machine::Machine;
 use crate::separable::{Recipe, Separable, Term};
@@ -114,7 +115,8 @@ impl Quadrature {
     }
 
     /// Writes the parts of a strip, one row of `out` each, from the rows that the vertical kernels
-    /// gave, up to `width` pixels rounded up to whole lanes.
+    /// gave, up to `width` pixels rounded up to whole lanes. `ahead` is
+    /// asked for more at each step.
     #[inline(always)]
     pub(crate) fn filter<const RADIUS: usize, const LANES: usize, M: Machine<LANES>>(
         &self,
@@ -122,6 +124,7 @@ impl Quadrature {
         rows: &[Row],
         width: usize,
         out: &mut [Row],
+        ahead: &mut Ahead<'_>,
     ) {
         match self {
             Self::AlongX {
@@ -133,8 +136,9 @@ impl Quadrature {
                 let row = &rows[*row];
                 let [even, odd] = parts.of(out);
                 for x in (0..width).step_by(LANES) {
+                    ahead.ask();
                     let seen = Neighbours::at(row, x);
-                    let parts = both::<RADIUS, LANES, M>(machine, (cosine, sine), seen);
+                    let [parts] = both::<RADIUS, LANES, 1, M>(machine, (cosine, sine), [seen]);
                     *even.lanes_mut(x) = machine.store(parts.0);
                     *odd.lanes_mut(x) = machine.store(parts.1);
                 }
@@ -148,6 +152,7 @@ impl Quadrature {
                 for (row, part) in [(*cosine, parts.even), (*sine, parts.odd)] {
                     let (row, out) = (&rows[row], &mut out[part]);
                     for x in (0..width).step_by(LANES) {
+                        ahead.ask();
                         let seen = Neighbours::at(row, x);
                         let value = even::<RADIUS, LANES, M>(machine, across, seen);
                         *out.lanes_mut(x) = machine.store(value);
@@ -167,10 +172,10 @@ impl Quadrature {
                     out.get_disjoint_mut(places).expect(DISTINCT);
                 let kernels = (cosine, sine);
                 for x in (0..width).step_by(LANES) {
-                    let seen = Neighbours::at(cosine_row, x);
-                    let (cosines, cosine_sine) = both::<RADIUS, LANES, M>(machine, kernels, seen);
-                    let seen = Neighbours::at(sine_row, x);
-                    let (sine_cosine, sines) = both::<RADIUS, LANES, M>(machine, kernels, seen);
+                    ahead.ask();
+                    let seen = [Neighbours::at(cosine_row, x), Neighbours::at(sine_row, x)];
+                    let [(cosines, cosine_sine), (sine_cosine, sines)] =
+                        both::<RADIUS, LANES, 2, M>(machine, kernels, seen);
                     *even.lanes_mut(x) = machine.store(machine.subtract(cosines, sines));
                     *odd.lanes_mut(x) = machine.store(machine.add(sine_cosine, cosine_sine));
                     *mirrored_even.lanes_mut(x) = machine.store(machine.add(cosines, sines));
@@ -182,30 +187,36 @@ impl Quadrature {
     }
 }
 
-/// The results of an even and of an odd kernel, side by side, so that each neighbour is read once.
+/// The results of an even and of an odd kernel on each of some rows, side by side, so that each
+/// neighbour and each tap is read once.
 #[inline(always)]
-fn both<const RADIUS: usize, const LANES: usize, M: Machine<LANES>>(
+fn both<const RADIUS: usize, const LANES: usize, const ROWS: usize, M: Machine<LANES>>(
     machine: M,
     (cosine, sine): (&SpreadKernel, &SpreadKernel),
-    seen: Neighbours<'_>,
-) -> (M::Vector, M::Vector) {
-    let mut even = machine.multiply(
-        cosine.tap(machine, 0),
-        seen.middle::<RADIUS, LANES, M>(machine),
-    );
-    let mut odd = machine.multiply(
-        sine.tap(machine, 1),
-        seen.difference::<RADIUS, LANES, M>(machine, 1),
-    );
+    seen: [Neighbours<'_>; ROWS],
+) -> [(M::Vector, M::Vector); ROWS] {
+    let middle = cosine.tap(machine, 0);
+    let mut results = [(middle, middle); ROWS];
+    for row in 0..ROWS {
+        results[row].0 = machine.multiply(middle, seen[row].middle::<RADIUS, LANES, M>(machine));
+    }
     for k in 1..=RADIUS {
-        let sum = seen.sum::<RADIUS, LANES, M>(machine, k);
-        even = machine.multiply_add(cosine.tap(machine, k), sum, even);
-        if k > 1 {
-            let difference = seen.difference::<RADIUS, LANES, M>(machine, k);
-            odd = machine.multiply_add(sine.tap(machine, k), difference, odd);
+        let taps = (cosine.tap(machine, k), sine.tap(machine, k));
+        for row in 0..ROWS {
+            let (even, odd) = results[row];
+            let sum = seen[row].sum::<RADIUS, LANES, M>(machine, k);
+            let difference = seen[row].difference::<RADIUS, LANES, M>(machine, k);
+            results[row] = (
+                machine.multiply_add(taps.0, sum, even),
+                if k == 1 {
+                    machine.multiply(taps.1, difference)
+                } else {
+                    machine.multiply_add(taps.1, difference, odd)
+                },
+            );
         }
     }
-    (even, odd)
+    results
 }
 
 #[inline(always)]

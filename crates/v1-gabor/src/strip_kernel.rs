@@ -1,3 +1,4 @@
+use crate::ahead::Ahead;
 use crate::lanes::{Lanes, Neighbours, Row, STRIP, Spread, SpreadKernel, lanes_at, lanes_at_mut};
 use crate::machine::Machine;
 use crate::quadrature::Quadrature;
@@ -179,8 +180,15 @@ impl StripKernel {
             );
             match &self.across {
                 Across::Quadrature(pairs) => {
+                    let mut ahead = Ahead::new(&responses[start * stride..end * stride]);
                     for pair in pairs {
-                        pair.filter::<RADIUS, LANES, M>(machine, rows, end - start, parts);
+                        pair.filter::<RADIUS, LANES, M>(
+                            machine,
+                            rows,
+                            end - start,
+                            parts,
+                            &mut ahead,
+                        );
                     }
                 }
                 Across::Products(across) => {
@@ -340,33 +348,52 @@ impl PartRecipe {
 #[inline(always)]
 fn interleave<const LANES: usize, M: Machine<LANES>>(machine: M, parts: &[Row], out: &mut [f32]) {
     let stride = parts.len();
-    let whole = out.len() / stride / LANES * LANES;
-    let (blocks, rest) = out.split_at_mut(whole * stride);
-    for (block, out) in blocks.chunks_exact_mut(LANES * stride).enumerate() {
-        let (squares, others) = parts.as_chunks::<LANES>();
-        for (square, parts) in squares.iter().enumerate() {
-            let mut rows = [machine.load(parts[0].lanes(block * LANES)); LANES];
-            for part in 1..LANES {
-                rows[part] = machine.load(parts[part].lanes(block * LANES));
+    let (squares, others) = parts.as_chunks::<LANES>();
+    let first = stride - others.len();
+    let mut blocks = out.chunks_exact_mut(LANES * stride);
+    let mut x = 0;
+    for block in &mut blocks {
+        if let ([square], []) = (squares, others) {
+            let (pixels, _) = block.as_chunks_mut::<LANES>();
+            let columns = turned(machine, square, x);
+            for (out, pixel) in pixels.iter_mut().zip(columns) {
+                *out = machine.store(pixel);
             }
-            let pixels = machine.turn(rows);
-            for pixel in 0..LANES {
-                let out = lanes_at_mut(out, pixel * stride + square * LANES);
-                *out = machine.store(pixels[pixel]);
+        } else {
+            for (square, parts) in squares.iter().enumerate() {
+                let columns = turned(machine, parts, x);
+                for (out, pixel) in block.chunks_exact_mut(stride).zip(columns) {
+                    *lanes_at_mut(out, square * LANES) = machine.store(pixel);
+                }
+            }
+            for (pixel, out) in block.chunks_exact_mut(stride).enumerate() {
+                for (value, part) in out[first..].iter_mut().zip(others) {
+                    *value = part[x + pixel];
+                }
             }
         }
-        let first = stride - others.len();
-        for (pixel, out) in out.chunks_exact_mut(stride).enumerate() {
-            for (value, part) in out[first..].iter_mut().zip(others) {
-                *value = part[block * LANES + pixel];
-            }
-        }
+        x += LANES;
     }
-    for (x, out) in rest.chunks_exact_mut(stride).enumerate() {
+    for out in blocks.into_remainder().chunks_exact_mut(stride) {
         for (value, part) in out.iter_mut().zip(parts) {
-            *value = part[whole + x];
+            *value = part[x];
         }
+        x += 1;
     }
+}
+
+/// As many parts of as many pixels from `x` on as there are lanes, by pixel.
+#[inline(always)]
+fn turned<const LANES: usize, M: Machine<LANES>>(
+    machine: M,
+    parts: &[Row; LANES],
+    x: usize,
+) -> [M::Vector; LANES] {
+    let mut rows = [machine.load(parts[0].lanes(x)); LANES];
+    for part in 1..LANES {
+        rows[part] = machine.load(parts[part].lanes(x));
+    }
+    machine.turn(rows)
 }
 
 /// The last values of a row that ends within the lanes, and zeros.
