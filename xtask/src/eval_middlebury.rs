@@ -281,7 +281,9 @@ fn score(scene: &StereoScene, truth: &Array2<f32>, options: &Options) -> anyhow:
     let masks = Masks::of(scene, truth.view(), left.view())?;
     let search = search_of(truth.view())?;
     let start = Instant::now();
-    let field = options.estimator.look(options.preset, options.matching(), &pair, search)?;
+    let field = options
+        .estimator
+        .look(options.preset, options.matching(), &pair, search)?;
     let took = start.elapsed();
     if let Some(folder) = &options.pictures {
         let name = &scene.description.name;

@@ -5,7 +5,7 @@ use crate::expand::expand;
 use crate::fill::fill;
 use crate::median::median_of_known;
 use crate::refine::Shifts;
-use crate::shift_covariance::ShiftCovariance;
+use crate::shift_covariance::FitCovariance;
 use crate::{MatchParams, MedianRadius};
 
 /// The shifts that take one eye's image to the other's, from the coarsest scale down to the scale
@@ -43,7 +43,7 @@ pub(crate) fn coarse_to_fine(
         };
         for warp in 1..=warps {
             if params.covariance && (scale, warp) == (0, warps) {
-                shifts.covariance = Some(Array2::from_elem(size.dim(), ShiftCovariance::UNKNOWN));
+                shifts.covariance = Some(Array2::from_elem(size.dim(), FitCovariance::UNKNOWN));
             }
             refine(scale, &mut shifts, &parent_dy);
             let medians = if warp < warps {

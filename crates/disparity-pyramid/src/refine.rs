@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use v1_gabor::machine::Machine;
 use v1_gabor::{Responses, WaveVector};
 
-use crate::shift_covariance::ShiftCovariance;
+use crate::shift_covariance::FitCovariance;
 use crate::tile::{TILE, Tile};
 use crate::warp::Warp;
 use crate::{MatchParams, Validity};
@@ -19,7 +19,7 @@ pub(crate) struct Shifts {
     pub(crate) residual: Array2<f32>,
     /// The covariance of each fit, unknown where there is no answer; a plane that is there is
     /// written by the warp, and it is there at the last one alone.
-    pub(crate) covariance: Option<Array2<ShiftCovariance>>,
+    pub(crate) covariance: Option<Array2<FitCovariance>>,
 }
 
 /// The two eyes at one scale.
@@ -62,7 +62,7 @@ pub(crate) fn refine(
         .as_slice_mut()
         .expect(CONTIGUOUS)
         .par_chunks_mut(width);
-    let covariance: Vec<Option<&mut [ShiftCovariance]>> = match &mut shifts.covariance {
+    let covariance: Vec<Option<&mut [FitCovariance]>> = match &mut shifts.covariance {
         None => (0..parent_dy.dim().0).map(|_| None).collect(),
         Some(plane) => {
             let plane = plane.as_slice_mut().expect(CONTIGUOUS);
@@ -114,7 +114,7 @@ struct Row<'a> {
     dy: &'a mut [f32],
     validity: &'a mut [Validity],
     residual: &'a mut [f32],
-    covariance: Option<&'a mut [ShiftCovariance]>,
+    covariance: Option<&'a mut [FitCovariance]>,
     parent_dy: &'a [f32],
 }
 
@@ -178,7 +178,8 @@ impl<const ORIENTATIONS: usize, S: Simd + Machine<TILE>> NullaryFnOnce
                     && verdict.is_valid()
                 {
                     let [xx, xy, yy] = fit.covariance.map(|entry| entry[i]);
-                    covariance[start + i] = ShiftCovariance { xx, xy, yy };
+                    let fits = 1.0;
+                    covariance[start + i] = FitCovariance { xx, xy, yy, fits };
                 }
                 if verdict.is_valid() {
                     dx[i] += fit.ux[i];

@@ -10,23 +10,29 @@ use crate::{MatchParams, MedianRadius, Validity};
 /// How uncertain a shift `(dx, dy)` is: the covariance of its two components, in square pixels.
 ///
 /// Per pixel the least-squares fit of equation 3 has `M = sum_q w_q k_q k_q^T` and leaves the phases
-/// `r_q`. Its covariance is
+/// `r_q`, its weights being those of the last robust round. Its covariance is
 ///
 /// `C = s^2 M^-1`, `s^2 = sum_q w_q r_q^2 / nu`, `nu = nu_K (n - p) / (K - p)`
 ///
 /// for `n` of `K` orientations heard and `p` unknowns (2, or 1 where only rows are searched). The
 /// effective degrees of freedom `nu_K` are fewer than `K - p`, as neighbouring filters overlap and
-/// hear the same noise: two orientations that are `a` apart correlate by
-/// `rho(a) = exp(-(omega0 sigma sin(a/2))^2)`. With `R` the matrix of these and `P` the projection
-/// onto the phases that a shift can make, `nu_K = p tr((I - P) R) / tr(P R)`; for the paper's bank it
-/// is 1.34 in place of 6.
+/// hear the same noise: the responses of two orientations `a` apart correlate by
+/// `rho = exp(-(omega0 sigma sin(a/2))^2)`, and the errors of their phases, on a texture as white as
+/// the noise, by `c = (pi/4) rho^2 F(1/2, 1/2; 2; rho^2)`. With `R` the matrix of these and `P` the
+/// projection onto the phases that a shift can make, `nu_K = p tr((I - P) R) / tr(P R)`: for the
+/// paper's bank about 3 in place of 6.
 ///
 /// A value is the mean of the fits in 5 x 5 pixels, as one fit has so few degrees of freedom, times
-/// the part of the noise that the medians leave (see [`MatchParams::medians`]), plus a floor of
-/// 0.01 px in each component for what no residual shows.
+/// the part of the variance that `m` medians over windows of variance `v` leave of errors as smooth
+/// as those of phases, `(sigma^2 / 2) / (sigma^2 / 2 + m v)`, plus a floor of 0.01 px in each
+/// component: what the finest warp leaves of a shift without any noise.
 ///
-/// The covariance speaks of noise: of texture too weak or of one direction, of eyes that see a place
-/// differently. It does not know of a search that took a wrong period, which [`Validity`] is for.
+/// On random dots under white noise of 2.5 to 5 grey levels in 256, an error over its `sigma_dx` has a
+/// standard deviation of .8 to 1.1 (`tests/sigma_is_the_error.rs`). The covariance speaks of noise
+/// alone. It does not know of a search that took a wrong period, of a surface that slants under the
+/// filters, or of an edge that the medians round: on Venus and Sawtooth, 68 % of the errors lie within
+/// 2.0 and 2.7 `sigma_dx`, though the surest eighth of the pixels errs by a quarter of what the
+/// least sure does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShiftCovariance {
     /// Variance of `dx`.
@@ -80,7 +86,7 @@ impl ShiftCovariance {
 /// The covariance of every valid shift from those of the fits, `[[y, x]]`: their mean over 5 x 5
 /// pixels, corrected for overlapping filters and medians. Unknown where there is no answer.
 pub(crate) fn pooled(
-    fits: &Array2<ShiftCovariance>,
+    fits: &Array2<FitCovariance>,
     validity: &Array2<Validity>,
     bank: GaborParams,
     params: &MatchParams,
@@ -96,28 +102,28 @@ pub(crate) fn pooled(
         .par_chunks_mut(width)
         .enumerate()
         .for_each_init(
-            || vec![Sum::default(); width],
+            || vec![FitCovariance::UNKNOWN; width],
             |columns, (y, pooled)| {
-                columns.fill(Sum::default());
+                columns.fill(FitCovariance::UNKNOWN);
                 for row in around(y, height) {
                     for (column, fit) in columns.iter_mut().zip(fits.row(row)) {
-                        column.hear(fit);
+                        column.add(fit);
                     }
                 }
                 for (x, (out, validity)) in pooled.iter_mut().zip(validity.row(y)).enumerate() {
                     if !validity.is_valid() {
                         continue;
                     }
-                    let mut sum = Sum::default();
+                    let mut sum = FitCovariance::UNKNOWN;
                     for column in &columns[around(x, width)] {
                         sum.add(column);
                     }
                     if sum.fits > 0.0 {
                         let mean = scale / sum.fits;
                         *out = ShiftCovariance {
-                            xx: sum.xx.mul_add(mean, floor),
+                            xx: sum.xx * mean + floor,
                             xy: sum.xy * mean,
-                            yy: sum.yy.mul_add(mean, floor_y),
+                            yy: sum.yy * mean + floor_y,
                         };
                     }
                 }
@@ -126,25 +132,24 @@ pub(crate) fn pooled(
     pooled
 }
 
-/// The covariances of some fits, added up.
-#[derive(Clone, Copy, Debug, Default)]
-struct Sum {
-    xx: f32,
-    xy: f32,
-    yy: f32,
-    fits: f32,
+/// The covariance of one fit, or several added up.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FitCovariance {
+    pub(crate) xx: f32,
+    pub(crate) xy: f32,
+    pub(crate) yy: f32,
+    /// How many fits, as a number that adds up in the same registers.
+    pub(crate) fits: f32,
 }
 
-impl Sum {
-    /// Adds that of one fit, if it is known.
-    fn hear(&mut self, fit: &ShiftCovariance) {
-        if fit.xx < f32::INFINITY {
-            self.xx += fit.xx;
-            self.xy += fit.xy;
-            self.yy += fit.yy;
-            self.fits += 1.0;
-        }
-    }
+impl FitCovariance {
+    /// No fit at all.
+    pub(crate) const UNKNOWN: Self = Self {
+        xx: 0.0,
+        xy: 0.0,
+        yy: 0.0,
+        fits: 0.0,
+    };
 
     fn add(&mut self, other: &Self) {
         self.xx += other.xx;
@@ -181,7 +186,11 @@ fn overlap(bank: GaborParams, rows_only: bool) -> f32 {
     for a in 0..orientations {
         all += correlation(a, a);
         for b in 0..orientations {
-            let along_y = if rows_only { 0.0 } else { waves[a].y * waves[b].y };
+            let along_y = if rows_only {
+                0.0
+            } else {
+                waves[a].y * waves[b].y
+            };
             told += correlation(a, b) * (waves[a].x * waves[b].x + along_y) / norm;
         }
     }

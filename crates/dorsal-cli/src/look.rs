@@ -112,6 +112,8 @@ fn plan(arguments: &LookArguments, size: Size) -> anyhow::Result<Plan> {
             zero_disparity_px: (0.0 - arguments.zero_disparity, 0.0),
             rows_only: arguments.rows_only,
             singularity_tau: arguments.singularity_tau,
+            // The look writes it.
+            covariance: true,
             ..steps
         },
         rig,

@@ -25,7 +25,9 @@ pub enum NotValidity {
     #[error(transparent)]
     Picture(#[from] NotAPicture),
     /// A grey value stands for no validity.
-    #[error("grey {grey} at x = {x}, y = {y} stands for no validity (0, 25, 50, 100, 150, 200, 255)")]
+    #[error(
+        "grey {grey} at x = {x}, y = {y} stands for no validity (0, 25, 50, 100, 150, 200, 255)"
+    )]
     Grey {
         /// Column.
         x: usize,
