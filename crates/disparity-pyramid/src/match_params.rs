@@ -55,8 +55,8 @@ pub struct MatchParams {
     /// and coherence, which refuse most of what it refuses, it puts 1 to 16 % on that error, and finding
     /// the singularities takes ten times as long as matching: so the default is `None`.
     pub singularity_tau: Option<f32>,
-    /// Whether the field carries the covariance of each shift ([`ShiftCovariance`]), which costs about
-    /// COST % of the time.
+    /// Whether the field carries the covariance of each shift ([`ShiftCovariance`]), which takes an
+    /// eighth of the time on top.
     ///
     /// [`ShiftCovariance`]: crate::ShiftCovariance
     pub covariance: bool,
