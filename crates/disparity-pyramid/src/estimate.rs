@@ -177,7 +177,7 @@ impl MatchParams {
             return refuse("least_coherence", self.least_coherence, "a number");
         }
         if let Some(tau) = self.singularity_tau
-            && !(tau > 0.0)
+            && (tau.is_nan() || tau <= 0.0)
         {
             return refuse("singularity_tau", tau, "positive");
         }
