@@ -56,15 +56,17 @@ impl Estimator {
         }
     }
 
-    /// The disparity of a pair whose truth lies within `search`.
+    /// The disparity of a pair whose truth lies within `search`; `preset` is the dense estimator's,
+    /// `matching` the vector pyramid's.
     pub(crate) fn look(
         self,
         preset: Preset,
+        matching: MatchParams,
         eyes: &Binocular<Picture>,
         search: SearchRange,
     ) -> anyhow::Result<DisparityField> {
         match self {
-            Self::Vector => vector(&eyes.as_ref().map(Picture::luma)),
+            Self::Vector => vector(&eyes.as_ref().map(Picture::luma), matching),
             Self::Dense => dense(preset.params(), eyes, search),
         }
     }
@@ -93,11 +95,14 @@ pub(crate) fn dense(
     Ok(matcher.estimate(&views, search)?)
 }
 
-/// The disparity of a pair by the vector pyramid with its default parameters.
-pub(crate) fn vector(eyes: &Binocular<&LumaImage>) -> anyhow::Result<DisparityField> {
+/// The disparity of a pair by the vector pyramid with these parameters.
+pub(crate) fn vector(
+    eyes: &Binocular<&LumaImage>,
+    matching: MatchParams,
+) -> anyhow::Result<DisparityField> {
     let size = eyes.left.size();
     let bank = FilterBank::plan(GaborParams::default().fitted_to(size), size)
         .context("level 1 has no bank for these images")?;
     let responses = eyes.try_map(|eye| bank.respond(eye))?;
-    estimate(&responses, MatchParams::default()).context("level 2 cannot match these eyes")
+    estimate(&responses, matching).context("level 2 cannot match these eyes")
 }

@@ -3,6 +3,7 @@ use std::time::Instant;
 
 use anyhow::{Context, bail};
 use clap::Args;
+use disparity_pyramid::MatchParams;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use ndarray::Array2;
 use stereo_formats::scene_folder::{self, StereoScene};
@@ -22,6 +23,7 @@ use crate::marks;
 use crate::masks::Masks;
 use crate::pyramid_ablation_run::{AblatedScene, AblationRun};
 use crate::results_page::results_page;
+use crate::rows_only::{self, RowsOnly};
 use crate::score::Score;
 use crate::score_tables;
 use crate::table_1;
@@ -42,6 +44,7 @@ Examples:
   cargo xtask eval-middlebury --estimator dense --preset fast --sparsification
   cargo xtask eval-middlebury --estimator dense --ablate --results out/ablation.md
   cargo xtask eval-middlebury --check --json out/eval.json --results out/results.md
+  cargo xtask eval-middlebury --published --rows-only --scene venus
   cargo xtask eval-middlebury --table1
   cargo xtask eval-middlebury --ablate --scene venus
   cargo xtask eval-middlebury --data ~/data --download --from https://HOST/data
@@ -61,6 +64,20 @@ pub(crate) struct Options {
     /// The parameter set of the dense estimator
     #[arg(long, value_enum, default_value_t = Preset::Best)]
     preset: Preset,
+    /// Match by the paper's own steps (`MatchParams::as_published`), the vector pyramid alone
+    #[arg(long, conflicts_with_all = ["table1", "ablate"])]
+    published: bool,
+    /// Search along the rows only, the vector pyramid alone: the vertical shift is held at 0
+    #[arg(long, conflicts_with_all = ["table1", "ablate"])]
+    rows_only: bool,
+    /// Least energy an orientation needs to be heard by the vector pyramid; without it 1e-7, and
+    /// 1e-6 with --published
+    #[arg(long, value_name = "X", conflicts_with_all = ["table1", "ablate"])]
+    energy_threshold: Option<f32>,
+    /// Unhear what lies near a phase singularity, the vector pyramid alone: 1.25 strictly, 1.75
+    /// leniently
+    #[arg(long, value_name = "TAU", conflicts_with_all = ["table1", "ablate"])]
+    singularity_tau: Option<f32>,
     /// Write every number to this file, as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -98,6 +115,12 @@ pub(crate) struct Options {
 
 /// Runs the task.
 pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
+    if options.estimator == Estimator::Dense && options.has_own_matching() {
+        bail!(
+            "--published, --rows-only, --energy-threshold and --singularity-tau are the vector \
+             pyramid's; leave --estimator dense out"
+        );
+    }
     let data = data_folder(options.data.as_deref())?;
     if let (true, Some(base)) = (options.download, &options.from) {
         fetch(&data, base, options)?;
@@ -118,6 +141,7 @@ pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
         command: command(options),
         estimator: options.estimator,
         scenes: scores(&data, options)?,
+        rows_only: rows_only(&data, options)?,
     };
     print(&evaluation, options);
     write(&evaluation, options)?;
@@ -257,7 +281,9 @@ fn score(scene: &StereoScene, truth: &Array2<f32>, options: &Options) -> anyhow:
     let masks = Masks::of(scene, truth.view(), left.view())?;
     let search = search_of(truth.view())?;
     let start = Instant::now();
-    let field = options.estimator.look(options.preset, &pair, search)?;
+    let field = options
+        .estimator
+        .look(options.preset, options.matching(), &pair, search)?;
     let took = start.elapsed();
     if let Some(folder) = &options.pictures {
         let name = &scene.description.name;
@@ -358,6 +384,22 @@ fn in_order(
     found.into_iter().collect()
 }
 
+/// The scenes of Table 1 that are evaluated, once more along the rows only; none but beside the
+/// vector pyramid's default.
+fn rows_only(data: &Path, options: &Options) -> anyhow::Result<Vec<RowsOnly>> {
+    if options.estimator == Estimator::Dense || options.has_own_matching() {
+        return Ok(Vec::new());
+    }
+    let scenes = table_1::SCENES.into_iter();
+    let mut rows = Vec::new();
+    for name in scenes.filter(|scene| options.wants(scene)) {
+        for (scene, truth) in dense_scenes(data, &[name.to_owned()])? {
+            rows.push(RowsOnly::of(&scene, &truth).with_context(|| format!("scene {name}"))?);
+        }
+    }
+    Ok(rows)
+}
+
 fn print(evaluation: &Evaluation, options: &Options) {
     let scores = &evaluation.scenes;
     for score in scores {
@@ -379,6 +421,9 @@ fn print(evaluation: &Evaluation, options: &Options) {
     if let Some(table) = score_tables::beside_table_1(scores) {
         println!("The paper's Table 1 (density of ours)\n{table}");
     }
+    if let Some(table) = rows_only::table(&evaluation.rows_only) {
+        println!("Rows only, valid, textured: mean / std, px (density)\n{table}");
+    }
 }
 
 fn write(evaluation: &Evaluation, options: &Options) -> anyhow::Result<()> {
@@ -387,9 +432,11 @@ fn write(evaluation: &Evaluation, options: &Options) -> anyhow::Result<()> {
         write_file(path, &json)?;
     }
     let docs = || {
-        // A page of some scenes is no replacement for the page of all, nor that of another
-        // estimator, which compare-opencv writes.
-        let all = options.scene.is_empty() && options.estimator == Estimator::Vector;
+        // A page of some scenes is no replacement for the page of all, nor that of other
+        // parameters or of another estimator, which compare-opencv writes.
+        let all = options.scene.is_empty()
+            && options.estimator == Estimator::Vector
+            && !options.has_own_matching();
         all.then(docs_folder)
             .flatten()
             .map(|docs| docs.join("results.md"))
@@ -435,6 +482,18 @@ fn command(options: &Options) -> String {
         command += " --preset ";
         command += options.preset.name();
     }
+    if options.published {
+        command += " --published";
+    }
+    if options.rows_only {
+        command += " --rows-only";
+    }
+    if let Some(energy) = options.energy_threshold {
+        command += &format!(" --energy-threshold {energy:e}");
+    }
+    if let Some(tau) = options.singularity_tau {
+        command += &format!(" --singularity-tau {tau}");
+    }
     for scene in &options.scene {
         command += " --scene ";
         command += scene;
@@ -443,6 +502,26 @@ fn command(options: &Options) -> String {
 }
 
 impl Options {
+    /// Whether the vector pyramid's parameters are other than the default.
+    fn has_own_matching(&self) -> bool {
+        self.matching() != MatchParams::default()
+    }
+
+    /// The parameters of the vector pyramid.
+    fn matching(&self) -> MatchParams {
+        let steps = if self.published {
+            MatchParams::as_published()
+        } else {
+            MatchParams::default()
+        };
+        MatchParams {
+            rows_only: self.rows_only,
+            energy_threshold: self.energy_threshold.unwrap_or(steps.energy_threshold),
+            singularity_tau: self.singularity_tau,
+            ..steps
+        }
+    }
+
     fn wants(&self, scene: &str) -> bool {
         if self.table1 {
             return table_1::SCENES.contains(&scene);

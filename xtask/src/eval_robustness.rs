@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use clap::Args;
-use disparity_pyramid::DisparityField;
+use disparity_pyramid::{DisparityField, MatchParams};
 use ndarray::{Array2, ArrayView2, Ix2, Zip};
 use stereo_formats::scene_folder::{self, StereoScene};
 use stereo_formats::{npy, picture};
@@ -230,7 +230,7 @@ impl<'a> Bench<'a> {
                 jobs.push(Job::Bm(job("bm")));
             }
             let eyes = seen.try_map(|grey| LumaImage::new(grey.mapv(|g| f32::from(g) / 255.0)))?;
-            let field = vector(&eyes.as_ref())?;
+            let field = vector(&eyes.as_ref(), MatchParams::default())?;
             let truth = self.truth_of(alteration);
             trials.push(self.judge(&field, &truth));
             truths.push(truth);

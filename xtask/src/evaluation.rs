@@ -2,6 +2,7 @@ use serde::Serialize;
 
 use crate::estimator::Estimator;
 use crate::machine::Machine;
+use crate::rows_only::RowsOnly;
 use crate::score::Score;
 
 /// One run over the scenes: what was measured, when, where and how.
@@ -19,6 +20,8 @@ pub(crate) struct Evaluation {
     pub(crate) estimator: Estimator,
     /// One score a scene.
     pub(crate) scenes: Vec<Score>,
+    /// The scenes of Table 1 along the rows only, beside the vector pyramid's default.
+    pub(crate) rows_only: Vec<RowsOnly>,
 }
 
 impl Evaluation {

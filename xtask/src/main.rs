@@ -56,6 +56,7 @@ mod robustness_marks;
 mod robustness_page;
 mod robustness_run;
 mod robustness_series;
+mod rows_only;
 mod score;
 mod score_tables;
 mod sha256;

@@ -9,9 +9,11 @@ pub(crate) struct Ablation {
     pub(crate) params: MatchParams,
 }
 
-/// The default first, then each ingredient off in turn, then all of them: the paper's own steps.
-pub(crate) fn ablations() -> [Ablation; 9] {
+/// The default first, then each ingredient off in turn, then all of them: the paper's own steps. Last
+/// what neither has: the test for singularities and the search along rows.
+pub(crate) fn ablations() -> [Ablation; 14] {
     let all = MatchParams::default();
+    let singularity_tau = Some(1.75);
     let without = |without, params| Ablation { without, params };
     [
         without("nothing (the default)", all),
@@ -60,7 +62,42 @@ pub(crate) fn ablations() -> [Ablation; 9] {
                 ..all
             },
         ),
+        without(
+            "filling",
+            MatchParams {
+                fill_neighbours: None,
+                ..all
+            },
+        ),
+        without(
+            "weak texture: energy 1e-6",
+            MatchParams {
+                energy_threshold: 1e-6,
+                ..all
+            },
+        ),
         without("all of them (as published)", MatchParams::as_published()),
+        without(
+            "nothing, singularities tested",
+            MatchParams {
+                singularity_tau,
+                ..all
+            },
+        ),
+        without(
+            "all of them, singularities tested",
+            MatchParams {
+                singularity_tau,
+                ..MatchParams::as_published()
+            },
+        ),
+        without(
+            "nothing, along rows only",
+            MatchParams {
+                rows_only: true,
+                ..all
+            },
+        ),
     ]
 }
 

@@ -144,7 +144,9 @@ impl AblationRun {
             "# What each ingredient of the vector pyramid is worth\n\n\
              Written by `cargo xtask eval-middlebury --ablate`; edits by hand are lost.\n\n\
              - date: {}\n- machine: {}, {} core{}\n- compiler: {}, {} build\n\n\
-             The default parameters with one ingredient off in turn, over {} scenes. Masks and \
+             The default parameters with one ingredient off in turn, over {} scenes; the last rows \
+             have what neither the default nor the paper has, a test for phase singularities (tau \
+             1.75), or the vertical shift held at 0. Masks and \
              measures are those of [results.md](results.md); dy is the mean absolute vertical shift \
              over valid visible pixels of rectified pairs, whose truth is 0.\n\n\
              ## Means over the scenes, px\n\n{}",

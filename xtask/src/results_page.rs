@@ -2,6 +2,7 @@ use std::fmt::Write;
 
 use crate::bounds;
 use crate::evaluation::Evaluation;
+use crate::rows_only;
 use crate::score_tables;
 use crate::table_1;
 
@@ -53,6 +54,10 @@ pub(crate) fn results_page(evaluation: &Evaluation) -> String {
         let reading = table_1::READING;
         let _ = write!(page, "\n## The paper's Table 1\n\n{reading}\n\n{table}");
     }
+    if let Some(table) = rows_only::table(&evaluation.rows_only) {
+        let reading = rows_only::READING;
+        let _ = write!(page, "\n## Rows only\n\n{reading}\n\n{table}");
+    }
     page.push_str("\n## Scenes\n");
     for score in scores {
         let _ = write!(
@@ -91,6 +96,7 @@ mod tests {
             command: "cargo xtask eval-middlebury".to_owned(),
             estimator: Estimator::Vector,
             scenes: vec![made_up("venus")],
+            rows_only: Vec::new(),
         });
         for part in [
             "2024-02-29",

@@ -85,9 +85,8 @@ impl Matcher {
     pub(crate) fn params(self) -> MatchParams {
         match self {
             Self::Published => MatchParams::as_published(),
-            // A prior of this weight leaves a vertical shift of less than a millionth.
             Self::PublishedRowsOnly => MatchParams {
-                vertical_prior: 1e6,
+                rows_only: true,
                 ..MatchParams::as_published()
             },
             Self::PublishedTwoWarps => MatchParams {

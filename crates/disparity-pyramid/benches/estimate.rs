@@ -29,6 +29,13 @@ fn match_eyes(criterion: &mut Criterion) {
         .sample_size(10);
     for (name, params) in [
         ("default", MatchParams::default()),
+        (
+            "with covariance",
+            MatchParams {
+                covariance: true,
+                ..MatchParams::default()
+            },
+        ),
         ("as published", MatchParams::as_published()),
     ] {
         group.bench_function(format!("{name}, 640 x 480"), |bencher| {

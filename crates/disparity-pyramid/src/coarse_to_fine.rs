@@ -5,6 +5,7 @@ use crate::expand::expand;
 use crate::fill::fill;
 use crate::median::median_of_known;
 use crate::refine::Shifts;
+use crate::shift_covariance::FitCovariance;
 use crate::{MatchParams, MedianRadius};
 
 /// The shifts that take one eye's image to the other's, from the coarsest scale down to the scale
@@ -41,6 +42,9 @@ pub(crate) fn coarse_to_fine(
             params.warps
         };
         for warp in 1..=warps {
+            if params.covariance && (scale, warp) == (0, warps) {
+                shifts.covariance = Some(Array2::from_elem(size.dim(), FitCovariance::UNKNOWN));
+            }
             refine(scale, &mut shifts, &parent_dy);
             let medians = if warp < warps {
                 params.medians.min(1)

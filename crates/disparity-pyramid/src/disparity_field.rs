@@ -1,20 +1,22 @@
 use ndarray::{Array2, ArrayView2, Zip};
 use v1_gabor::Size;
 
-use crate::Validity;
+use crate::{ShiftCovariance, Validity};
 
 /// Vector disparity at every pixel of the left image, with the estimator's own word on each.
 ///
 /// Left `(x, y)` matches right `(x + dx, y + dy)`; a nearer point has a smaller `dx` on a
 /// parallel rig. `dx` and `dy` are finite everywhere (a best guess where nothing better is
-/// known), `confidence` lies in `[0, 1]`, and `validity` says which pixels are answers.
-/// All planes are `[[y, x]]`.
+/// known), `confidence` lies in `[0, 1]`, and `validity` says which pixels are answers. An estimator
+/// that fits says also how uncertain each answer is, in pixels ([`ShiftCovariance`]). All planes are `[[y, x]]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DisparityField {
     dx: Array2<f32>,
     dy: Array2<f32>,
     confidence: Array2<f32>,
     validity: Array2<Validity>,
+    /// Unknown where not valid.
+    covariance: Option<Array2<ShiftCovariance>>,
 }
 
 /// The disparity of one pixel that the estimator stands behind.
@@ -26,6 +28,8 @@ pub struct Disparity {
     pub dy: f32,
     /// How sure the estimator is, from 0 to 1.
     pub confidence: f32,
+    /// How uncertain the shift is, if the estimator says so.
+    pub covariance: Option<ShiftCovariance>,
 }
 
 /// Why four planes are not a disparity field.
@@ -92,6 +96,7 @@ impl DisparityField {
             dy,
             confidence,
             validity,
+            covariance: None,
         })
     }
 
@@ -113,7 +118,34 @@ impl DisparityField {
             dy,
             confidence,
             validity,
+            covariance: None,
         }
+    }
+
+    /// The same field with the covariance of each answer, a plane of its size.
+    pub(crate) fn with_covariance(self, covariance: Option<Array2<ShiftCovariance>>) -> Self {
+        debug_assert!(
+            covariance
+                .as_ref()
+                .is_none_or(|plane| plane.dim() == self.dx.dim())
+        );
+        Self { covariance, ..self }
+    }
+
+    /// The same field with another reason where one pixel or another has no answer: `reason` is
+    /// asked at those of too little energy.
+    pub(crate) fn with_reasons(
+        mut self,
+        reason: impl Fn(usize, usize, Disparity) -> Validity,
+    ) -> Self {
+        for y in 0..self.size().height {
+            for x in 0..self.size().width {
+                if self.validity[[y, x]] == Validity::NoEnergy {
+                    self.validity[[y, x]] = reason(x, y, self.guess(x, y));
+                }
+            }
+        }
+        self
     }
 
     /// Width and height in pixels.
@@ -141,6 +173,7 @@ impl DisparityField {
             dx: self.dx[[y, x]],
             dy: self.dy[[y, x]],
             confidence: self.confidence[[y, x]],
+            covariance: self.covariance.as_ref().map(|plane| plane[[y, x]]),
         }
     }
 
@@ -160,6 +193,13 @@ impl DisparityField {
     #[must_use]
     pub fn confidence(&self) -> ArrayView2<'_, f32> {
         self.confidence.view()
+    }
+
+    /// The covariance of each shift `[[y, x]]`, unknown (infinite) where not valid; `None` if the
+    /// estimator does not say ([`MatchParams::covariance`](crate::MatchParams::covariance)).
+    #[must_use]
+    pub fn covariance(&self) -> Option<ArrayView2<'_, ShiftCovariance>> {
+        self.covariance.as_ref().map(|plane| plane.view())
     }
 
     /// Validity `[[y, x]]`.

@@ -4,6 +4,8 @@ use v1_gabor::{Binocular, GaborParams, MonogenicParams, Responses, Size, V1Respo
 use crate::coarse_to_fine::coarse_to_fine;
 use crate::left_right::check;
 use crate::refine::{Eyes, Shifts, refine};
+use crate::shift_covariance::pooled;
+use crate::singular::mark_singular;
 use crate::{DisparityField, MatchParams};
 
 /// Why the responses of two eyes cannot be matched.
@@ -72,6 +74,12 @@ pub fn estimate(
             right: right.params(),
         });
     }
+    let heard = params
+        .singularity_tau
+        .map(|tau| eyes.as_ref().map(|eye| eye.without_singularities(tau)));
+    let (left, right) = heard
+        .as_ref()
+        .map_or((left, right), |heard| (&heard.left, &heard.right));
     let waves = left.params().wave_vectors();
     let sizes: Vec<Size> = left.scales().iter().map(Responses::size).collect();
     let warp = |from: &V1Responses, to: &V1Responses, scale: usize, shifts: &mut Shifts, dy: &_| {
@@ -82,19 +90,26 @@ pub fn estimate(
         };
         refine(&eyes, shifts, dy, &params);
     };
-    Ok(both_ways(
+    let field = both_ways(
         &params,
         &sizes,
+        Some(left.params()),
         |scale, shifts, parent_dy| warp(left, right, scale, shifts, parent_dy),
         |scale, shifts, parent_dy| warp(right, left, scale, shifts, parent_dy),
-    ))
+    );
+    Ok(match heard {
+        None => field,
+        Some(_) => mark_singular(field, eyes, params.energy_threshold),
+    })
 }
 
 /// The field of the way there, checked against the way back if that is asked for. `there` and
-/// `back` are one warp at one scale, as [`coarse_to_fine`] takes it.
+/// `back` are one warp at one scale, as [`coarse_to_fine`] takes it; of `bank` depends how far
+/// the noise of orientations and pixels goes together, if fits have a covariance.
 pub(crate) fn both_ways(
     params: &MatchParams,
     sizes: &[Size],
+    bank: Option<GaborParams>,
     there: impl Fn(usize, &mut Shifts, &Array2<f32>) + Send,
     back: impl Fn(usize, &mut Shifts, &Array2<f32>) + Send,
 ) -> DisparityField {
@@ -122,7 +137,10 @@ pub(crate) fn both_ways(
                     0.0
                 }
             });
+    let fits = there.covariance.as_ref().zip(bank);
+    let covariance = fits.map(|(fits, bank)| pooled(fits, &there.validity, bank, params));
     DisparityField::trusted(there.dx, there.dy, confidence, there.validity)
+        .with_covariance(covariance)
 }
 
 /// From what the orientations leave unexplained, in pixels, to a confidence from 0 to 1.
@@ -157,6 +175,11 @@ impl MatchParams {
         }
         if self.least_coherence.is_nan() {
             return refuse("least_coherence", self.least_coherence, "a number");
+        }
+        if let Some(tau) = self.singularity_tau
+            && (tau.is_nan() || tau <= 0.0)
+        {
+            return refuse("singularity_tau", tau, "positive");
         }
         match self.left_right_px {
             Some(tolerance) if tolerance.is_nan() || tolerance <= 0.0 => {

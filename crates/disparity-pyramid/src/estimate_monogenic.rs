@@ -12,8 +12,8 @@ use crate::{DisparityField, MatchParams, Mismatch};
 /// orientations are to the oriented families, several pixels are here. Where a neighbourhood has one
 /// orientation only, there is no answer.
 ///
-/// The fit is a plain one: [`MatchParams::robust_rounds`] and [`MatchParams::least_coherence`] have
-/// nothing to act on, and a pixel counts as heard if its own energy in both eyes is above
+/// The fit is a plain one: [`MatchParams::robust_rounds`], [`MatchParams::least_coherence`] and
+/// [`MatchParams::singularity_tau`] have nothing to act on, the field carries no covariance, and a pixel counts as heard if its own energy in both eyes is above
 /// [`MatchParams::energy_threshold`]. All other parameters mean what they mean to `estimate`.
 ///
 /// # Errors
@@ -23,6 +23,10 @@ pub fn estimate_monogenic(
     params: MatchParams,
 ) -> Result<DisparityField, Mismatch> {
     params.check()?;
+    let params = MatchParams {
+        covariance: false,
+        ..params
+    };
     let (left, right) = (&eyes.left, &eyes.right);
     if left.size() != right.size() {
         return Err(Mismatch::Sizes {
@@ -46,6 +50,7 @@ pub fn estimate_monogenic(
     Ok(both_ways(
         &params,
         &sizes,
+        None,
         |scale, shifts, parent_dy| warp(left, right, scale, shifts, parent_dy),
         |scale, shifts, parent_dy| warp(right, left, scale, shifts, parent_dy),
     ))

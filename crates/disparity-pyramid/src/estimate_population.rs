@@ -16,9 +16,11 @@ use crate::{DisparityField, MatchParams, Mismatch, Population, Validity};
 /// cells a pixel, some hundred times the work.
 ///
 /// It gives the same answer: on textured surfaces without steps, the two differ by less than 0.02 px
-/// on the mean (`tests/population_says_the_same.rs`). [`MatchParams::robust_rounds`] and
-/// [`MatchParams::vertical_prior`] have nothing to act on (the cosine tuning of a cell bounds what one
-/// orientation can say), and there is no look back, so nothing is called occluded or inconsistent.
+/// on the mean (`tests/population_says_the_same.rs`). [`MatchParams::robust_rounds`],
+/// [`MatchParams::vertical_prior`] and [`MatchParams::singularity_tau`] have nothing to act on (the
+/// cosine tuning of a cell bounds what one orientation can say), the field carries no covariance, and
+/// there is no look back, so nothing is called occluded or inconsistent. With
+/// [`MatchParams::rows_only`] the vertical component of the centre of mass is left out.
 ///
 /// # Errors
 /// [`Mismatch`] if the eyes differ in size or bank, or a parameter cannot be.
@@ -188,6 +190,7 @@ impl Site<'_> {
             .population
             .centre_of_mass(responses.view())
             .ok_or(Validity::Incoherent)?;
+        let uy = if self.params.rows_only { 0.0 } else { uy };
         if agreement <= self.params.least_coherence {
             return Err(Validity::Incoherent);
         }

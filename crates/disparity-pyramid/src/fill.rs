@@ -81,6 +81,7 @@ impl Shifts {
         Self {
             validity: Array2::from_elem(dx.dim(), Validity::NoEnergy),
             residual: Array2::zeros(dx.dim()),
+            covariance: None,
             dx,
             dy,
         }

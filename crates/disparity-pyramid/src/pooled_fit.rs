@@ -15,6 +15,9 @@ const RADIUS: usize = 6;
 /// neighbourhood has one orientation, and its shift along the bars is anyone's guess.
 const LEAST_DETERMINANT: f32 = 1e-3;
 
+/// The same along the rows, where these are all there is: the part of the trace.
+const LEAST_ALONG_ROWS: f32 = 1e-2;
+
 /// A residual of half the carrier's period or more is another period's.
 const MOST_STEP_PX: f32 = std::f32::consts::PI;
 
@@ -95,7 +98,11 @@ pub(crate) fn pooled_refine(
             return Err(validity);
         }
         let pull = parent_dy[pixel] - shifts.dy[pixel];
-        let fit = normal.solve(pixel, params.vertical_prior, pull);
+        let fit = if params.rows_only {
+            normal.solve_row(pixel)
+        } else {
+            normal.solve(pixel, params.vertical_prior, pull)
+        };
         let (ux, uy, residual) = fit.ok_or(Validity::Incoherent)?;
         if ux.hypot(uy) >= MOST_STEP_PX {
             return Err(Validity::Incoherent);
@@ -155,6 +162,18 @@ impl Normal {
         let explained = 2.0 * (rx * ux + ry * uy) - (xx * ux + 2.0 * xy * uy) * ux - yy * uy * uy;
         let left_over = (self.squares[pixel] - explained).max(0.0) / trace;
         Some((ux, uy, left_over.sqrt()))
+    }
+
+    /// The same with the vertical component held: `None` if the neighbourhood is horizontal bars.
+    fn solve_row(&self, pixel: [usize; 2]) -> Option<(f32, f32, f32)> {
+        let (xx, rx) = (self.xx[pixel], self.rx[pixel]);
+        let trace = xx + self.yy[pixel];
+        if !(trace > 0.0 && xx > LEAST_ALONG_ROWS * trace) {
+            return None;
+        }
+        let ux = rx / xx;
+        let left_over = (self.squares[pixel] - rx * ux).max(0.0) / trace;
+        Some((ux, 0.0, left_over.sqrt()))
     }
 }
 
@@ -244,9 +263,12 @@ mod tests {
         // Sums of five products near one.
         assert!((ux - shift.0).abs() < 1e-5 && (uy - shift.1).abs() < 1e-5);
         assert!(left_over < 2e-3, "{left_over}");
-        // A heavy prior leaves the component along x alone and takes the vertical one away.
-        let (_, uy, _) = normal.solve([0, 0], 1e6, 0.0).unwrap();
+        // A heavy prior leaves the component along x alone and takes the vertical one away, as
+        // rows alone do.
+        let (ux, uy, _) = normal.solve([0, 0], 1e6, 0.0).unwrap();
         assert!(uy.abs() < 1e-4);
+        let row = normal.solve_row([0, 0]).unwrap();
+        assert!((row.0 - ux).abs() < 1e-4 && row.1 == 0.0, "{row:?}");
     }
 
     #[test]

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 use v1_gabor::machine::Machine;
 use v1_gabor::{Responses, WaveVector};
 
+use crate::shift_covariance::FitCovariance;
 use crate::tile::{TILE, Tile};
 use crate::warp::Warp;
 use crate::{MatchParams, Validity};
@@ -16,6 +17,9 @@ pub(crate) struct Shifts {
     pub(crate) validity: Array2<Validity>,
     /// Root mean square of what the orientations leave unexplained, in pixels of this scale.
     pub(crate) residual: Array2<f32>,
+    /// The covariance of each fit, unknown where there is no answer; a plane that is there is
+    /// written by the warp, and it is there at the last one alone.
+    pub(crate) covariance: Option<Array2<FitCovariance>>,
 }
 
 /// The two eyes at one scale.
@@ -58,13 +62,24 @@ pub(crate) fn refine(
         .as_slice_mut()
         .expect(CONTIGUOUS)
         .par_chunks_mut(width);
+    let covariance: Vec<Option<&mut [FitCovariance]>> = match &mut shifts.covariance {
+        None => (0..parent_dy.dim().0).map(|_| None).collect(),
+        Some(plane) => {
+            let plane = plane.as_slice_mut().expect(CONTIGUOUS);
+            plane.chunks_mut(width).map(Some).collect()
+        }
+    };
+    let params = &MatchParams {
+        covariance: covariance.first().is_some_and(Option::is_some),
+        ..*params
+    };
     let parent_dy = parent_dy.as_slice().expect(CONTIGUOUS).par_chunks(width);
-    (dx, dy, validity, residual, parent_dy)
+    (dx, dy, validity, residual, covariance, parent_dy)
         .into_par_iter()
         .enumerate()
         .for_each_init(
             Tile::new,
-            |tile, (y, (dx, dy, validity, residual, parent_dy))| {
+            |tile, (y, (dx, dy, validity, residual, covariance, parent_dy))| {
                 let row = Row {
                     eyes,
                     warp: &warp,
@@ -75,6 +90,7 @@ pub(crate) fn refine(
                     dy,
                     validity,
                     residual,
+                    covariance,
                     parent_dy,
                 };
                 // The paper's number of orientations is known to the compiler.
@@ -98,6 +114,7 @@ struct Row<'a> {
     dy: &'a mut [f32],
     validity: &'a mut [Validity],
     residual: &'a mut [f32],
+    covariance: Option<&'a mut [FitCovariance]>,
     parent_dy: &'a [f32],
 }
 
@@ -135,6 +152,7 @@ impl<const ORIENTATIONS: usize, S: Simd + Machine<TILE>> NullaryFnOnce
             dy,
             validity,
             residual,
+            mut covariance,
             parent_dy,
         } = self.0;
         let simd = self.1;
@@ -156,6 +174,13 @@ impl<const ORIENTATIONS: usize, S: Simd + Machine<TILE>> NullaryFnOnce
                 let verdict = tile.verdict(i, &fit, params, (start + i, y), (dx[i], dy[i]), warp);
                 validity[start + i] = verdict;
                 residual[start + i] = fit.residual_px[i];
+                if let Some(covariance) = &mut covariance
+                    && verdict.is_valid()
+                {
+                    let [xx, xy, yy] = fit.covariance.map(|entry| entry[i]);
+                    let fits = 1.0;
+                    covariance[start + i] = FitCovariance { xx, xy, yy, fits };
+                }
                 if verdict.is_valid() {
                     dx[i] += fit.ux[i];
                     dy[i] += fit.uy[i];

@@ -16,6 +16,10 @@ const DEAF_RAD: f32 = 1.5;
 /// orientations heard lie too close together to tell both components.
 const LEAST_DETERMINANT: f32 = 1e-3;
 
+/// The part of the weights' trace that must lie along the rows where these are all there is; below
+/// it every orientation heard is nearly horizontal bars.
+const LEAST_ALONG_ROWS: f32 = 1e-2;
+
 /// The shift fitted to the phases of all orientations, for each pixel of a tile.
 #[derive(Default)]
 pub(crate) struct Fit {
@@ -29,6 +33,10 @@ pub(crate) struct Fit {
     pub(crate) residual_px: [f32; TILE],
     /// How many orientations were heard.
     pub(crate) heard: [f32; TILE],
+    /// The covariance `s^2 M^-1` by its entries xx, xy and yy, in square pixels, if it is asked for:
+    /// `s^2` is the weighted sum of the squared phases left over, over the number of orientations
+    /// heard less that of unknowns.
+    pub(crate) covariance: [[f32; TILE]; 3],
 }
 
 /// Equation 3, with the inverse and the right-hand side that its print lost: the shift `u` that
@@ -69,10 +77,18 @@ fn fit_lanes<S: Simd>(
     let omega_squared = waves[0].x * waves[0].x + waves[0].y * waves[0].y;
     let pull = vector(simd, pull, start);
     let (mut ux, mut uy) = (zero, zero);
+    let mut normal = Normal::<S> {
+        squares: zero,
+        xx: zero,
+        xy: zero,
+        yy: zero,
+        rx: zero,
+        ry: zero,
+    };
     for round in 0..=params.robust_rounds {
         let last = round == params.robust_rounds;
         let (mut xx, mut xy, mut yy) = (zero, zero, zero);
-        let (mut rx, mut ry) = (zero, zero);
+        let (mut rx, mut ry, mut squares) = (zero, zero, zero);
         for (q, k) in waves.iter().enumerate() {
             let (kx, ky) = (simd.splat_f32s(k.x), simd.splat_f32s(k.y));
             let phase = vector(simd, &phase[q], start);
@@ -93,10 +109,28 @@ fn fit_lanes<S: Simd>(
             yy = simd.mul_add_e_f32s(wy, ky, yy);
             rx = simd.mul_add_e_f32s(wx, phase, rx);
             ry = simd.mul_add_e_f32s(wy, phase, ry);
+            if params.covariance && last {
+                let square = simd.mul_f32s(phase, phase);
+                squares = simd.mul_add_e_f32s(w, square, squares);
+            }
         }
         // Every wave vector has the same length, so the trace is the sum of weights times its
         // square.
         let trace = simd.add_f32s(xx, yy);
+        normal = Normal {
+            squares,
+            xx,
+            xy,
+            yy,
+            rx,
+            ry,
+        };
+        if params.rows_only {
+            let least = simd.mul_f32s(trace, simd.splat_f32s(LEAST_ALONG_ROWS));
+            let told = simd.less_than_f32s(least, xx);
+            ux = simd.select_f32s(told, simd.div_f32s(rx, xx), simd.splat_f32s(f32::NAN));
+            continue;
+        }
         let least = simd.mul_f32s(
             simd.splat_f32s(LEAST_DETERMINANT),
             simd.mul_f32s(trace, trace),
@@ -128,6 +162,12 @@ fn fit_lanes<S: Simd>(
     }
     let explained = simd.mul_f32s(total, simd.splat_f32s(omega_squared));
     let residual_px = simd.sqrt_f32s(simd.div_f32s(unexplained, explained));
+    if params.covariance {
+        let entries = covariance(simd, &normal, (ux, uy), heard, params.rows_only);
+        for i in 0..3 {
+            store(simd, &mut fit.covariance[i], start, entries[i]);
+        }
+    }
     store(simd, &mut fit.ux, start, ux);
     store(simd, &mut fit.uy, start, uy);
     store(
@@ -138,6 +178,53 @@ fn fit_lanes<S: Simd>(
     );
     store(simd, &mut fit.residual_px, start, residual_px);
     store(simd, &mut fit.heard, start, heard);
+}
+
+/// The normal equations of the last round: `sum w phase^2`, and `M` and `r` of equation 3.
+struct Normal<S: Simd> {
+    squares: S::f32s,
+    xx: S::f32s,
+    xy: S::f32s,
+    yy: S::f32s,
+    rx: S::f32s,
+    ry: S::f32s,
+}
+
+/// `s^2 M^-1` by its entries xx, xy and yy, where `s^2` is
+/// `sum w (phase - k.u)^2 = sum w phase^2 - 2 r.u + u.M u` over the degrees of freedom.
+#[inline(always)]
+fn covariance<S: Simd>(
+    simd: S,
+    normal: &Normal<S>,
+    (ux, uy): (S::f32s, S::f32s),
+    heard: S::f32s,
+    rows_only: bool,
+) -> [S::f32s; 3] {
+    let &Normal {
+        squares,
+        xx,
+        xy,
+        yy,
+        rx,
+        ry,
+    } = normal;
+    let twice = |r| simd.add_f32s(r, r);
+    let along_x = simd.mul_add_e_f32s(xx, ux, simd.sub_f32s(simd.mul_f32s(xy, uy), twice(rx)));
+    let along_y = simd.mul_add_e_f32s(yy, uy, simd.sub_f32s(simd.mul_f32s(xy, ux), twice(ry)));
+    let left_over = simd.mul_add_e_f32s(along_x, ux, squares);
+    let left_over = simd.mul_add_e_f32s(along_y, uy, left_over);
+    // Rounding takes a perfect fit below zero.
+    let zero = simd.splat_f32s(0.0);
+    let left_over = simd.max_f32s(left_over, zero);
+    if rows_only {
+        let freedom = simd.sub_f32s(heard, simd.splat_f32s(1.0));
+        let variance = simd.div_f32s(left_over, simd.mul_f32s(freedom, xx));
+        return [variance, zero, zero];
+    }
+    let freedom = simd.sub_f32s(heard, simd.splat_f32s(2.0));
+    let scale = simd.mul_f32s(freedom, determinant(simd, xx, xy, yy));
+    let scale = simd.div_f32s(left_over, scale);
+    [yy, simd.neg_f32s(xy), xx].map(|entry| simd.mul_f32s(scale, entry))
 }
 
 /// What a shift leaves of an orientation's phase.

@@ -7,7 +7,12 @@ pub enum Validity {
     Valid,
     /// Too little contrast in too few orientations: a textureless place.
     NoEnergy,
-    /// The orientations contradict one another: a depth edge, a singularity, a reflection.
+    /// Contrast enough, but too near to phase singularities in all but two orientations or fewer;
+    /// only an estimator that tests for them
+    /// ([`MatchParams::singularity_tau`](crate::MatchParams::singularity_tau)) says so.
+    Singular,
+    /// The orientations contradict one another: a depth edge, a reflection, a singularity not tested
+    /// for.
     Incoherent,
     /// The match lies outside the other eye's image.
     OutOfView,
@@ -19,9 +24,10 @@ pub enum Validity {
 
 impl Validity {
     /// Every value, in the order of declaration.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Valid,
         Self::NoEnergy,
+        Self::Singular,
         Self::Incoherent,
         Self::OutOfView,
         Self::Occluded,

@@ -1,7 +1,9 @@
 //! Planes of random dots, constant and slanted, in both components at once.
+mod dots;
 mod texture;
 
 use disparity_pyramid::{MatchParams, estimate};
+use dots::Dots;
 use texture::respond;
 use v1_gabor::Size;
 
@@ -9,45 +11,6 @@ const SIZE: Size = Size {
     width: 200,
     height: 160,
 };
-
-/// Dots of either sign, one to each cell of a grid at a random place in it: Gaussians of 0.9 px,
-/// known at every place.
-struct Dots {
-    seed: u64,
-}
-
-impl Dots {
-    const CELL_PX: f64 = 2.5;
-    const SIGMA_PX: f64 = 0.9;
-
-    fn at(&self, x: f64, y: f64) -> f32 {
-        let cell = |at: f64| (at / Self::CELL_PX).floor() as i64;
-        let mut sum = 0.5;
-        for row in cell(y) - 2..=cell(y) + 2 {
-            for column in cell(x) - 2..=cell(x) + 2 {
-                let [across, down, sign] = self.random(column, row);
-                let dot = |cell: i64, within: f64| (cell as f64 + within) * Self::CELL_PX;
-                let far = (x - dot(column, across)).hypot(y - dot(row, down)) / Self::SIGMA_PX;
-                sum += 0.2 * (2.0 * sign - 1.0) * (-0.5 * far * far).exp();
-            }
-        }
-        sum as f32
-    }
-
-    /// Three numbers in `[0, 1)` for a cell.
-    fn random(&self, column: i64, row: i64) -> [f64; 3] {
-        let mut state = self.seed ^ (column as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-        state =
-            (state ^ (state >> 29)).wrapping_add((row as u64).wrapping_mul(0xBF58_476D_1CE4_E5B9));
-        [0; 3].map(|_| {
-            state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
-            let mut mixed = state;
-            mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-            mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-            ((mixed ^ (mixed >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-        })
-    }
-}
 
 /// A plane of disparity: its value in the middle and its gradients.
 #[derive(Clone, Copy, Debug)]

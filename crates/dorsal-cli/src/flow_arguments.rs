@@ -52,7 +52,7 @@ Files written:
   confidence.pfm   0 to 1
   confidence.png   the same in colours over a scale bar
   validity.png     255 valid, 200 inconsistent, 150 occluded, 100 out of view, 50 incoherent,
-                   0 no energy
+                   25 singular, 0 no energy
   flow.json        parameters, densities, speeds, times
 
 Examples:

@@ -110,6 +110,10 @@ fn plan(arguments: &LookArguments, size: Size) -> anyhow::Result<Plan> {
             energy_threshold: arguments.energy_threshold.unwrap_or(steps.energy_threshold),
             // The command line speaks the sign of files.
             zero_disparity_px: (0.0 - arguments.zero_disparity, 0.0),
+            rows_only: arguments.rows_only,
+            singularity_tau: arguments.singularity_tau,
+            // The look writes it.
+            covariance: true,
             ..steps
         },
         rig,

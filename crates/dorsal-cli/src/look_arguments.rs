@@ -83,6 +83,15 @@ pub(crate) struct LookArguments {
     #[arg(long)]
     pub(crate) published: bool,
 
+    /// Search along the rows only, for rectified pairs: the vertical shift is held at 0
+    #[arg(long)]
+    pub(crate) rows_only: bool,
+
+    /// Unhear what lies near a phase singularity of either eye, at 1.25 strictly, at 1.75 leniently;
+    /// without it every response above the threshold is heard
+    #[arg(long, value_name = "TAU", value_parser = tau)]
+    pub(crate) singularity_tau: Option<f32>,
+
     #[command(flatten)]
     pub(crate) threads: Threads,
 
@@ -133,14 +142,17 @@ Files written:
   disparity.flo   the vectors (dx, dy), right minus left; 1e10 unknown
   disparity.png   d in colours over a scale bar; grey unknown
   confidence.pfm  0 to 1
+  sigma_dx.pfm    one standard deviation of dx, and of dy in sigma_dy.pfm, in pixels; +inf
+                  unknown (the vector pyramid's alone)
   validity.png    255 valid, 200 inconsistent, 150 occluded, 100 out of view, 50 incoherent,
-                  0 no energy
+                  25 singular, 0 no energy
   look.json       parameters, densities, times
   with --rig      depth.pfm (metres), depth.png (colours), cloud.ply
   with --labels   scene.json: objects, egocentric and allocentric relations
 
 Examples:
   dorsal look left.png right.png --out out --dense
+  dorsal look left.png right.png --out out --published --rows-only
   dorsal look left.png right.png --out out --estimator dense --max-disparity 64
   dorsal look left.png right.png --out out --estimator dense --rectify auto
   dorsal look left.png right.png --out out --rig rig.toml --scales 7 --zero-disparity 40
@@ -206,6 +218,13 @@ pub(crate) fn energy(text: &str) -> Result<f32, String> {
     match text.parse() {
         Ok(energy) if (0.0..=f32::MAX).contains(&energy) => Ok(energy),
         _ => Err("a finite number that is not negative is needed".to_owned()),
+    }
+}
+
+fn tau(text: &str) -> Result<f32, String> {
+    match text.parse() {
+        Ok(tau) if tau > 0.0 && tau <= f32::MAX => Ok(tau),
+        _ => Err("a positive, finite number is needed".to_owned()),
     }
 }
 

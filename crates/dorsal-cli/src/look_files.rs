@@ -1,3 +1,4 @@
+use dorsal::disparity_pyramid::ShiftCovariance;
 use dorsal::egocentric_depth::point_cloud;
 use dorsal::v1_gabor::Binocular;
 use ndarray::ArrayView2;
@@ -24,6 +25,14 @@ pub(crate) fn look_files<'a>(
     files.add("disparity.pfm", move || pfm::encode_disparity(field, dense));
     files.add("disparity.flo", move || flo::encode_disparity(field, dense));
     files.add("confidence.pfm", || pfm::encode(field.confidence()));
+    if let Some(covariance) = field.covariance() {
+        files.add("sigma_dx.pfm", move || {
+            pfm::encode(covariance.mapv(ShiftCovariance::sigma_dx).view())
+        });
+        files.add("sigma_dy.pfm", move || {
+            pfm::encode(covariance.mapv(ShiftCovariance::sigma_dy).view())
+        });
+    }
     files.add("validity.png", || validity_png::encode(field.validity()));
     files.add("disparity.png", move || {
         let d = file_sign::d_of_field(field, dense);

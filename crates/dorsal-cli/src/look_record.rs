@@ -73,6 +73,8 @@ pub(crate) struct Matching {
     least_coherence: f32,
     vertical_prior: f32,
     left_right_px: Option<f32>,
+    rows_only: bool,
+    singularity_tau: Option<f32>,
 }
 
 #[derive(Debug, Serialize)]
@@ -96,6 +98,7 @@ struct DenseMatching {
 pub(crate) struct Counts {
     valid: usize,
     no_energy: usize,
+    singular: usize,
     incoherent: usize,
     out_of_view: usize,
     occluded: usize,
@@ -189,6 +192,8 @@ impl Matching {
             least_coherence: params.least_coherence,
             vertical_prior: params.vertical_prior,
             left_right_px: params.left_right_px,
+            rows_only: params.rows_only,
+            singularity_tau: params.singularity_tau,
         }
     }
 }
@@ -238,6 +243,7 @@ impl Counts {
         Self {
             valid: count(Validity::Valid),
             no_energy: count(Validity::NoEnergy),
+            singular: count(Validity::Singular),
             incoherent: count(Validity::Incoherent),
             out_of_view: count(Validity::OutOfView),
             occluded: count(Validity::Occluded),

@@ -29,12 +29,14 @@ fn disparity_alone() {
     let d = pfm::read(pair.path("out/disparity.pfm")).expect("a PFM");
     let vectors = flo::read(pair.path("out/disparity.flo")).expect("a .flo");
     let confidence = pfm::read(pair.path("out/confidence.pfm")).expect("a PFM");
+    let sigma = pfm::read(pair.path("out/sigma_dx.pfm")).expect("a PFM");
     let validity = validity_png::read(pair.path("out/validity.png")).expect("a PNG");
     assert_eq!(d.dim(), (HEIGHT, WIDTH));
     for ((y, x), &validity) in validity.indexed_iter() {
         let known = validity == Validity::Valid;
         assert_eq!(d[[y, x]].is_finite(), known, "at {x}, {y}");
         assert_eq!(vectors.at(x, y).is_some(), known, "at {x}, {y}");
+        assert_eq!(sigma[[y, x]].is_finite(), known, "at {x}, {y}");
         assert!((0.0..=1.0).contains(&confidence[[y, x]]));
         if let Some((dx, _)) = vectors.at(x, y) {
             assert_eq!(dx, 0.0 - d[[y, x]], "the sign turns between the files");
@@ -201,6 +203,21 @@ fn outlines_serve_as_labels() {
     let said = pair.look(&["--rig", "@rig.toml", "--labels", "@labels.toml"]);
     assert_eq!(said.code, Some(0), "{}", said.err);
     assert_eq!(json(&pair, "out/scene.json")["objects"][0]["name"], "map");
+}
+
+/// Along rows alone the vertical shift is held, and a strict test for singularities is counted.
+#[test]
+fn rows_alone_and_singular_places() {
+    let pair = Pair::new();
+    let said = pair.look(&["--published", "--rows-only", "--singularity-tau", "1.25"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let look = json(&pair, "out/look.json");
+    assert_eq!(look["matching"]["rows_only"], true);
+    assert_eq!(look["matching"]["singularity_tau"], 1.25);
+    assert!(look["pixels"]["singular"].is_u64());
+    let sigma = pfm::read(pair.path("out/sigma_dy.pfm")).expect("a PFM");
+    assert!(sigma.iter().all(|sigma| sigma.is_nan() || *sigma == 0.0));
+    assert_eq!(pair.look(&["--singularity-tau", "0"]).code, Some(2));
 }
 
 #[test]

@@ -12,7 +12,7 @@ impl StereoRig {
     /// see the point.
     ///
     /// `disparity_sigma_px` is the caller's: the measured error of the estimator in use, or, pixel
-    /// by pixel, what the confidence of a disparity field stands for.
+    /// by pixel, the noise that the covariance of a disparity field tells of.
     #[must_use]
     pub fn depth_sigma_m(&self, point: Position<Head>, disparity_sigma_px: f64) -> f64 {
         let azimuth = (point.x_m - self.baseline_m() / 2.0) / point.z_m;

@@ -7,6 +7,7 @@
 //! | 150 | [`Validity::Occluded`] |
 //! | 100 | [`Validity::OutOfView`] |
 //! | 50 | [`Validity::Incoherent`] |
+//! | 25 | [`Validity::Singular`] |
 //! | 0 | [`Validity::NoEnergy`] |
 
 use std::path::Path;
@@ -24,7 +25,9 @@ pub enum NotValidity {
     #[error(transparent)]
     Picture(#[from] NotAPicture),
     /// A grey value stands for no validity.
-    #[error("grey {grey} at x = {x}, y = {y} stands for no validity (0, 50, 100, 150, 200, 255)")]
+    #[error(
+        "grey {grey} at x = {x}, y = {y} stands for no validity (0, 25, 50, 100, 150, 200, 255)"
+    )]
     Grey {
         /// Column.
         x: usize,
@@ -40,6 +43,7 @@ pub enum NotValidity {
 pub const fn grey(validity: Validity) -> u8 {
     match validity {
         Validity::NoEnergy => 0,
+        Validity::Singular => 25,
         Validity::Incoherent => 50,
         Validity::OutOfView => 100,
         Validity::Occluded => 150,

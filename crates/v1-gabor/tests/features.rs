@@ -162,6 +162,26 @@ fn singularities_lie_where_components_cancel() {
     assert!(!inner(&mask, 19) && !inner(&mask, 29));
 }
 
+/// Responses without singularities are silent where the test says so, and else the same.
+#[test]
+fn singular_responses_can_be_silenced() {
+    let responses = respond_with(2, |x, y| 0.5 + 0.1 * (0.9 * x + 0.2 * x * y).sin());
+    let silenced = responses.without_singularities(1.25);
+    for (before, after) in responses.scales().iter().zip(silenced.scales()) {
+        for q in 0..before.orientations() {
+            let singular = before.singularities(q, 1.25);
+            for ((y, x), &singular) in singular.indexed_iter() {
+                let expected = if singular {
+                    Complex32::ZERO
+                } else {
+                    before.at(q, x, y)
+                };
+                assert_eq!(after.at(q, x, y), expected);
+            }
+        }
+    }
+}
+
 /// Next to a border shorter differences stand in, and slender images are no exception.
 #[test]
 fn features_reach_the_border() {
