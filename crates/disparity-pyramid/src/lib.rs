@@ -63,6 +63,8 @@ mod left_right;
 mod match_params;
 mod median;
 mod median_network;
+#[cfg(target_arch = "x86_64")]
+mod pair_read;
 mod phase;
 mod pooled_fit;
 mod population;

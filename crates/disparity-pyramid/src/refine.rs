@@ -1,11 +1,12 @@
 use ndarray::{Array2, Zip};
-use pulp::{Arch, NullaryFnOnce, Scalar, Simd};
+use pulp::{Arch, NullaryFnOnce, Scalar};
 use rayon::prelude::*;
-use v1_gabor::machine::Machine;
 use v1_gabor::{Responses, WaveVector};
 
+#[cfg(target_arch = "x86_64")]
+use crate::pair_read::ByPair;
 use crate::shift_covariance::FitCovariance;
-use crate::tile::{TILE, Tile};
+use crate::tile::{ByPixel, Reader, TILE, Tile, whole};
 use crate::warp::Warp;
 use crate::{MatchParams, Validity};
 
@@ -93,12 +94,7 @@ pub(crate) fn refine(
                     covariance,
                     parent_dy,
                 };
-                // The paper's number of orientations is known to the compiler.
-                if eyes.waves.len() == 8 {
-                    row.dispatch::<8>();
-                } else {
-                    row.dispatch::<0>();
-                }
+                row.dispatch();
             },
         );
 }
@@ -119,24 +115,30 @@ struct Row<'a> {
 }
 
 impl Row<'_> {
-    /// Runs the row in the machine's vectors of eight lanes, which hold a tile.
-    fn dispatch<const ORIENTATIONS: usize>(self) {
-        match Arch::new() {
+    /// Runs the row in the machine's vectors.
+    fn dispatch(self) {
+        let orientations = self.eyes.waves.len();
+        // The paper's number of orientations is known to the compiler.
+        match (Arch::new(), orientations) {
             #[cfg(target_arch = "x86_64")]
-            Arch::V4(v4) => (*v4).vectorize(Compiled::<ORIENTATIONS, _>(self, *v4)),
+            (Arch::V4(v4), 8) => v4.vectorize(Compiled(self, ByPair(v4))),
             #[cfg(target_arch = "x86_64")]
-            Arch::V3(v3) => v3.vectorize(Compiled::<ORIENTATIONS, _>(self, v3)),
-            _ => Compiled::<ORIENTATIONS, _>(self, Scalar).call(),
+            (Arch::V4(v4), _) => {
+                (*v4).vectorize(Compiled(self, ByPixel::<0, _>(*v4, orientations)))
+            }
+            #[cfg(target_arch = "x86_64")]
+            (Arch::V3(v3), 8) => v3.vectorize(Compiled(self, ByPixel::<8, _>(v3, 8))),
+            #[cfg(target_arch = "x86_64")]
+            (Arch::V3(v3), _) => v3.vectorize(Compiled(self, ByPixel::<0, _>(v3, orientations))),
+            _ => Compiled(self, ByPixel::<0, _>(Scalar, orientations)).call(),
         }
     }
 }
 
-/// One row's work, compiled for one kind of vectors and one number of orientations (0 for any).
-struct Compiled<'a, const ORIENTATIONS: usize, S>(Row<'a>, S);
+/// One row's work, compiled for one way to read.
+struct Compiled<'a, R>(Row<'a>, R);
 
-impl<const ORIENTATIONS: usize, S: Simd + Machine<TILE>> NullaryFnOnce
-    for Compiled<'_, ORIENTATIONS, S>
-{
+impl<R: Reader> NullaryFnOnce for Compiled<'_, R> {
     type Output = ();
 
     // Inlined into the function that is compiled for the vector unit; a call would leave it.
@@ -155,38 +157,39 @@ impl<const ORIENTATIONS: usize, S: Simd + Machine<TILE>> NullaryFnOnce
             mut covariance,
             parent_dy,
         } = self.0;
-        let simd = self.1;
+        let reader = self.1;
         let parts = 2 * eyes.waves.len();
         let left = &eyes.left.samples()[y * dx.len() * parts..][..dx.len() * parts];
         for start in (0..dx.len()).step_by(TILE) {
             let end = (start + TILE).min(dx.len());
-            let (dx, dy) = (&mut dx[start..end], &mut dy[start..end]);
-            tile.read::<ORIENTATIONS, S>(
-                simd,
-                (&left[start * parts..], warp),
-                eyes.waves.len(),
-                (start, y),
-                (dx, dy),
-                params.energy_threshold,
-            );
-            let fit = tile.fit(simd, eyes.waves, &parent_dy[start..end], dy, params);
-            for i in 0..end - start {
-                let verdict = tile.verdict(i, &fit, params, (start + i, y), (dx[i], dy[i]), warp);
-                validity[start + i] = verdict;
-                residual[start + i] = fit.residual_px[i];
-                if let Some(covariance) = &mut covariance
-                    && verdict.is_valid()
-                {
+            let here = start..end;
+            let shifts = (&whole(&dx[here.clone()]), &whole(&dy[here.clone()]));
+            let at = (start, y);
+            let left = &left[start * parts..];
+            reader.read(tile, (left, warp), at, shifts, params.energy_threshold);
+            let parent_dy = &whole(&parent_dy[here.clone()]);
+            let fit = tile.fit(reader.simd(), eyes.waves, (parent_dy, shifts.1), params);
+            let verdicts = tile.verdicts(&fit, params, at, shifts, eyes.right.size());
+            validity[here.clone()].copy_from_slice(&verdicts[..end - start]);
+            residual[here.clone()].copy_from_slice(&fit.residual_px[..end - start]);
+            add(&mut dx[here.clone()], &fit.ux, &verdicts);
+            add(&mut dy[here], &fit.uy, &verdicts);
+            if let Some(covariance) = &mut covariance {
+                for i in (0..end - start).filter(|&i| verdicts[i].is_valid()) {
                     let [xx, xy, yy] = fit.covariance.map(|entry| entry[i]);
                     let fits = 1.0;
                     covariance[start + i] = FitCovariance { xx, xy, yy, fits };
                 }
-                if verdict.is_valid() {
-                    dx[i] += fit.ux[i];
-                    dy[i] += fit.uy[i];
-                }
             }
         }
+    }
+}
+
+/// Adds the steps that are answers.
+#[inline(always)]
+fn add(shifts: &mut [f32], steps: &[f32; TILE], verdicts: &[Validity; TILE]) {
+    for ((shift, step), verdict) in shifts.iter_mut().zip(steps).zip(verdicts) {
+        *shift += if verdict.is_valid() { *step } else { 0.0 };
     }
 }
 

@@ -1,6 +1,6 @@
 use pulp::Simd;
-use v1_gabor::WaveVector;
 use v1_gabor::machine::Machine;
+use v1_gabor::{Size, WaveVector};
 
 use crate::phase::{angle, wrap};
 use crate::robust_fit::{Fit, robust_fit};
@@ -9,7 +9,11 @@ use crate::warp::{Place, Warp};
 use crate::{MatchParams, Validity};
 
 /// Pixels that one visit of the kernel treats together, side by side in vector registers.
-pub(crate) const TILE: usize = 8;
+pub(crate) const TILE: usize = 16;
+
+/// Pixels and orientations of the square that is turned from one beside the other to the other way
+/// round.
+const SQUARE: usize = 8;
 
 /// Most orientations of a bank; what the tile's buffers hold.
 pub(crate) const MOST_ORIENTATIONS: usize = 32;
@@ -20,22 +24,47 @@ pub(crate) type ByOrientation = [[f32; TILE]; MOST_ORIENTATIONS];
 /// A few neighbouring pixels of one row: everything the fit needs.
 pub(crate) struct Tile {
     /// Phase of the left response over the warped right one, in `[-pi, pi]`.
-    phase: ByOrientation,
+    pub(crate) phase: ByOrientation,
     /// How much the fit hears of each; 0 where an eye's energy is below the threshold.
-    weight: ByOrientation,
-    in_view: [bool; TILE],
+    pub(crate) weight: ByOrientation,
+    pub(crate) in_view: [bool; TILE],
 }
 
-/// What both eyes say at one pixel, for [`TILE`] orientations.
+/// A way to read both eyes' responses for the pixels of a tile, in vectors of one kind.
+pub(crate) trait Reader: Copy {
+    /// The vectors, which the fit works in too.
+    type Simd: Simd;
+
+    fn simd(self) -> Self::Simd;
+
+    /// Reads both eyes' responses for each pixel: the left eye's in place, `left` holding them from
+    /// the tile's first pixel `(x, y)` on, the right eye's at the present shifts.
+    fn read(
+        self,
+        tile: &mut Tile,
+        eyes: (&[f32], &Warp<'_>),
+        at: (usize, usize),
+        shifts: (&[f32; TILE], &[f32; TILE]),
+        threshold: f32,
+    );
+}
+
+/// Reads one pixel after the other, its orientations side by side, for any number of them.
+///
+/// `ORIENTATIONS` is their number, or 0 for that which the second field has.
+#[derive(Clone, Copy)]
+pub(crate) struct ByPixel<const ORIENTATIONS: usize, S>(pub(crate) S, pub(crate) usize);
+
+/// What both eyes say at one pixel, for [`SQUARE`] orientations.
 #[derive(Clone, Copy)]
 struct Pixel {
-    phase: [f32; TILE],
-    weight: [f32; TILE],
+    phase: [f32; SQUARE],
+    weight: [f32; SQUARE],
 }
 
 const SILENT: Pixel = Pixel {
-    phase: [0.0; TILE],
-    weight: [0.0; TILE],
+    phase: [0.0; SQUARE],
+    weight: [0.0; SQUARE],
 };
 
 impl Tile {
@@ -47,63 +76,6 @@ impl Tile {
         }
     }
 
-    /// Reads both eyes' responses for each pixel: the left eye's in place, `left` holding them from
-    /// the tile's first pixel `(x, y)` on, the right eye's at the present shifts.
-    ///
-    /// `ORIENTATIONS` is their number, or 0 for any.
-    #[inline(always)]
-    pub(crate) fn read<const ORIENTATIONS: usize, S: Simd + Machine<TILE>>(
-        &mut self,
-        simd: S,
-        (left, warp): (&[f32], &Warp<'_>),
-        orientations: usize,
-        (x, y): (usize, usize),
-        (dx, dy): (&[f32], &[f32]),
-        threshold: f32,
-    ) {
-        let orientations = match ORIENTATIONS {
-            0 => orientations,
-            known => known,
-        };
-        let parts = 2 * orientations;
-        let mut places = [None; TILE];
-        for i in 0..dx.len().min(TILE) {
-            places[i] = warp.place((x + i) as f32 + dx[i], y as f32 + dy[i]);
-        }
-        for group in (0..orientations).step_by(TILE) {
-            let mut pixels = [SILENT; TILE];
-            for i in 0..TILE {
-                if let Some(place) = places[i] {
-                    let left = &left[i * parts..][..parts];
-                    let pixel = &mut pixels[i];
-                    read_pixel::<ORIENTATIONS, S>(
-                        simd,
-                        left,
-                        warp,
-                        (orientations, group),
-                        place,
-                        threshold,
-                        pixel,
-                    );
-                }
-            }
-            let mut phases = [simd.load(&pixels[0].phase); TILE];
-            let mut weights = [simd.load(&pixels[0].weight); TILE];
-            for i in 1..TILE {
-                phases[i] = simd.load(&pixels[i].phase);
-                weights[i] = simd.load(&pixels[i].weight);
-            }
-            let (phases, weights) = (simd.turn(phases), simd.turn(weights));
-            for q in 0..TILE {
-                self.phase[group + q] = simd.store(phases[q]);
-                self.weight[group + q] = simd.store(weights[q]);
-            }
-        }
-        for i in 0..TILE {
-            self.in_view[i] = places[i].is_some();
-        }
-    }
-
     /// The remaining shift of each pixel: equation 3. `parent_dy` is the coarser scale's vertical
     /// shift, toward which the prior pulls.
     #[inline(always)]
@@ -111,58 +83,146 @@ impl Tile {
         &self,
         simd: S,
         waves: &[WaveVector],
-        parent_dy: &[f32],
-        dy: &[f32],
+        (parent_dy, dy): (&[f32; TILE], &[f32; TILE]),
         params: &MatchParams,
     ) -> Fit {
         let mut pull = [0.0f32; TILE];
-        for (pull, (parent, dy)) in pull.iter_mut().zip(parent_dy.iter().zip(dy)) {
-            *pull = parent - dy;
+        for i in 0..TILE {
+            pull[i] = parent_dy[i] - dy[i];
         }
         robust_fit(simd, (&self.phase, &self.weight), waves, &pull, params)
     }
 
-    /// Whether the fit at a pixel is an answer.
+    /// Whether the fit at each pixel is an answer; the first of them is `(x, y)`. Without a branch,
+    /// so that all are judged at once.
     #[inline(always)]
-    pub(crate) fn verdict(
+    pub(crate) fn verdicts(
         &self,
-        i: usize,
         fit: &Fit,
         params: &MatchParams,
         (x, y): (usize, usize),
-        (dx, dy): (f32, f32),
-        warp: &Warp<'_>,
-    ) -> Validity {
+        (dx, dy): (&[f32; TILE], &[f32; TILE]),
+        size: Size,
+    ) -> [Validity; TILE] {
         // A residual of half the carrier's period or more is another period's.
         const MOST_STEP_PX: f32 = std::f32::consts::PI;
-        if !self.in_view[i] {
-            return Validity::OutOfView;
+        let (most_x, most_y) = ((size.width - 1) as f32, (size.height - 1) as f32);
+        let mut verdicts = [Validity::Valid; TILE];
+        for i in 0..TILE {
+            let (ux, uy) = (fit.ux[i], fit.uy[i]);
+            let (u, v) = ((x + i) as f32 + dx[i] + ux, y as f32 + dy[i] + uy);
+            let seen = (u >= 0.0) & (u <= most_x) & (v >= 0.0) & (v <= most_y);
+            // Written so that a fit without a solution, NaN, is refused.
+            let agreed = (fit.coherence[i] > params.least_coherence)
+                & (ux * ux + uy * uy < MOST_STEP_PX * MOST_STEP_PX);
+            let mut verdict = if seen {
+                Validity::Valid
+            } else {
+                Validity::OutOfView
+            };
+            verdict = if agreed {
+                verdict
+            } else {
+                Validity::Incoherent
+            };
+            let heard = fit.heard[i] >= LEAST_HEARD;
+            verdict = if heard { verdict } else { Validity::NoEnergy };
+            verdicts[i] = if self.in_view[i] {
+                verdict
+            } else {
+                Validity::OutOfView
+            };
         }
-        if fit.heard[i] < 3.0 {
-            return Validity::NoEnergy;
-        }
-        let step_squared = fit.ux[i] * fit.ux[i] + fit.uy[i] * fit.uy[i];
-        // Written so that a fit without a solution, NaN, is refused.
-        let agreed =
-            fit.coherence[i] > params.least_coherence && step_squared < MOST_STEP_PX * MOST_STEP_PX;
-        if !agreed {
-            return Validity::Incoherent;
-        }
-        let (x, y) = (x as f32 + dx + fit.ux[i], y as f32 + dy + fit.uy[i]);
-        if warp.place(x, y).is_none() {
-            return Validity::OutOfView;
-        }
-        Validity::Valid
+        verdicts
     }
 }
 
+/// Fewer orientations tell too little of two components.
+const LEAST_HEARD: f32 = 3.0;
+
+/// The shifts of a whole tile; NaN, which is nowhere, beyond the end of a row.
+#[inline(always)]
+pub(crate) fn whole(shifts: &[f32]) -> [f32; TILE] {
+    shifts.try_into().unwrap_or_else(|_| {
+        let mut whole = [f32::NAN; TILE];
+        whole[..shifts.len()].copy_from_slice(shifts);
+        whole
+    })
+}
+
+impl<const ORIENTATIONS: usize, S: Simd + Machine<SQUARE>> Reader for ByPixel<ORIENTATIONS, S> {
+    type Simd = S;
+
+    #[inline(always)]
+    fn simd(self) -> S {
+        self.0
+    }
+
+    #[inline(always)]
+    fn read(
+        self,
+        tile: &mut Tile,
+        (left, warp): (&[f32], &Warp<'_>),
+        (x, y): (usize, usize),
+        (dx, dy): (&[f32; TILE], &[f32; TILE]),
+        threshold: f32,
+    ) {
+        let Self(simd, orientations) = self;
+        let orientations = match ORIENTATIONS {
+            0 => orientations,
+            known => known,
+        };
+        let parts = 2 * orientations;
+        let mut places = [None; TILE];
+        for i in 0..TILE {
+            places[i] = warp.place((x + i) as f32 + dx[i], y as f32 + dy[i]);
+        }
+        for first in (0..TILE).step_by(SQUARE) {
+            for group in (0..orientations).step_by(SQUARE) {
+                let mut pixels = [SILENT; SQUARE];
+                for i in 0..SQUARE {
+                    if let Some(place) = places[first + i] {
+                        let left = &left[(first + i) * parts..][..parts];
+                        let pixel = &mut pixels[i];
+                        read_pixel::<ORIENTATIONS, S>(
+                            simd,
+                            left,
+                            warp,
+                            (orientations, group),
+                            place,
+                            threshold,
+                            pixel,
+                        );
+                    }
+                }
+                let mut phases = [simd.load(&pixels[0].phase); SQUARE];
+                let mut weights = [simd.load(&pixels[0].weight); SQUARE];
+                for i in 1..SQUARE {
+                    phases[i] = simd.load(&pixels[i].phase);
+                    weights[i] = simd.load(&pixels[i].weight);
+                }
+                let (phases, weights) = (simd.turn(phases), simd.turn(weights));
+                for q in 0..SQUARE {
+                    *square_of(&mut tile.phase[group + q], first) = simd.store(phases[q]);
+                    *square_of(&mut tile.weight[group + q], first) = simd.store(weights[q]);
+                }
+            }
+        }
+        for i in 0..TILE {
+            tile.in_view[i] = places[i].is_some();
+        }
+    }
+}
+
+/// The numbers of the pixels of a square.
+#[inline(always)]
+fn square_of(pixels: &mut [f32; TILE], first: usize) -> &mut [f32; SQUARE] {
+    pixels[first..]
+        .first_chunk_mut()
+        .expect("a tile is whole squares")
+}
+
 /// The phases and weights of the orientations from `group` on at one pixel.
-///
-/// The phase is the numerator of equation 2: that of the left response over the warped right one,
-/// which [`Warp`] leaves turned back by `k.beyond`. A product wraps by itself, so no two responses'
-/// angles are ever subtracted. The weight is the balance of the amplitudes,
-/// `|L R| / ((|L|^2 + |R|^2) / 2)`: one where both eyes see the same contrast, small where one of
-/// them sees something else.
 #[inline(always)]
 fn read_pixel<const ORIENTATIONS: usize, S: Simd>(
     simd: S,
@@ -175,7 +235,7 @@ fn read_pixel<const ORIENTATIONS: usize, S: Simd>(
 ) {
     let around = warp.around(place, 2 * orientations);
     let threshold = simd.splat_f32s(threshold);
-    for lane in (0..TILE).step_by(S::F32_LANES) {
+    for lane in (0..SQUARE).step_by(S::F32_LANES) {
         let q = group + lane;
         let load = Load::<ORIENTATIONS> { orientations, q };
         let (le, lo) = load.parts(simd, left);
@@ -186,18 +246,38 @@ fn read_pixel<const ORIENTATIONS: usize, S: Simd>(
             load.parts(simd, around[3]),
         ];
         let (re, ro) = warp.read(simd, place, q, parts);
-        let even = simd.mul_add_e_f32s(le, re, simd.mul_f32s(lo, ro));
-        let odd = simd.sub_f32s(simd.mul_f32s(lo, re), simd.mul_f32s(le, ro));
-        let turned = simd.sub_f32s(angle(simd, odd, even), warp.turn(simd, place, q));
-        let left = simd.mul_add_e_f32s(le, le, simd.mul_f32s(lo, lo));
-        let right = simd.mul_add_e_f32s(re, re, simd.mul_f32s(ro, ro));
-        let mean = simd.mul_f32s(simd.splat_f32s(0.5), simd.add_f32s(left, right));
-        let balance = simd.div_f32s(simd.sqrt_f32s(simd.mul_f32s(left, right)), mean);
-        let heard = simd.less_than_f32s(threshold, simd.min_f32s(left, right));
-        let weight = simd.select_f32s(heard, balance, simd.splat_f32s(0.0));
-        store(simd, &mut pixel.phase, lane, wrap(simd, turned));
+        let turn = warp.turn(simd, place, q);
+        let (phase, weight) = phase_and_weight(simd, (le, lo), (re, ro), turn, threshold);
+        store(simd, &mut pixel.phase, lane, phase);
         store(simd, &mut pixel.weight, lane, weight);
     }
+}
+
+/// The phase of the left response over the right one, which is turned back by `turn`, and its
+/// weight; 0 where an eye's energy is below the threshold.
+///
+/// The phase is the numerator of equation 2. A product wraps by itself, so no two responses' angles
+/// are ever subtracted. The weight is the balance of the amplitudes,
+/// `|L R| / ((|L|^2 + |R|^2) / 2)`: one where both eyes see the same contrast, small where one of
+/// them sees something else.
+#[inline(always)]
+pub(crate) fn phase_and_weight<S: Simd>(
+    simd: S,
+    (le, lo): (S::f32s, S::f32s),
+    (re, ro): (S::f32s, S::f32s),
+    turn: S::f32s,
+    threshold: S::f32s,
+) -> (S::f32s, S::f32s) {
+    let even = simd.mul_add_e_f32s(le, re, simd.mul_f32s(lo, ro));
+    let odd = simd.sub_f32s(simd.mul_f32s(lo, re), simd.mul_f32s(le, ro));
+    let turned = simd.sub_f32s(angle(simd, odd, even), turn);
+    let left = simd.mul_add_e_f32s(le, le, simd.mul_f32s(lo, lo));
+    let right = simd.mul_add_e_f32s(re, re, simd.mul_f32s(ro, ro));
+    let mean = simd.mul_f32s(simd.splat_f32s(0.5), simd.add_f32s(left, right));
+    let balance = simd.div_f32s(simd.sqrt_f32s(simd.mul_f32s(left, right)), mean);
+    let heard = simd.less_than_f32s(threshold, simd.min_f32s(left, right));
+    let weight = simd.select_f32s(heard, balance, simd.splat_f32s(0.0));
+    (wrap(simd, turned), weight)
 }
 
 /// Takes a pixel's samples to the parts of the orientations from `q` on that a vector holds; zeros
@@ -213,7 +293,7 @@ impl<const ORIENTATIONS: usize> Load<ORIENTATIONS> {
     fn parts<S: Simd>(self, simd: S, pixel: &[f32]) -> (S::f32s, S::f32s) {
         let Self { orientations, q } = self;
         // Whole vectors, if the number is known to be a multiple of them.
-        if ORIENTATIONS != 0 && ORIENTATIONS.is_multiple_of(TILE) {
+        if ORIENTATIONS != 0 && ORIENTATIONS.is_multiple_of(SQUARE) {
             let (even, odd) = (q, ORIENTATIONS + q);
             return (vector(simd, pixel, even), vector(simd, pixel, odd));
         }

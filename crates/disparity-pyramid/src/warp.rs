@@ -16,22 +16,22 @@ use crate::vector::vector;
 /// from the phase difference, where it costs a subtraction in place of a complex product.
 #[derive(Debug)]
 pub(crate) struct Warp<'a> {
-    samples: &'a [f32],
-    size: Size,
+    pub(crate) samples: &'a [f32],
+    pub(crate) size: Size,
     /// The wave vectors by component, by orientation.
-    wave_x: Lanes,
-    wave_y: Lanes,
+    pub(crate) wave_x: Lanes,
+    pub(crate) wave_y: Lanes,
     /// `exp(-j k_q.offset)` of the neighbours to the right, below, and both.
-    turns: [Turns; 3],
+    pub(crate) turns: [Turns; 3],
 }
 
 /// One number for each orientation, and zeros beyond the last.
 type Lanes = [f32; MOST_ORIENTATIONS];
 
 #[derive(Debug)]
-struct Turns {
-    cos: Lanes,
-    sin: Lanes,
+pub(crate) struct Turns {
+    pub(crate) cos: Lanes,
+    pub(crate) sin: Lanes,
 }
 
 /// Where a shifted pixel falls: the pixel above and left of it, and how far beyond.
