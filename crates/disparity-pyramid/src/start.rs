@@ -1,10 +1,8 @@
 use ndarray::{Array2, s};
-use num_complex::Complex32;
 use rayon::prelude::*;
-use v1_gabor::{Binocular, Responses, Size, V1Responses};
+use v1_gabor::{Binocular, Responses, V1Responses};
 
 use crate::between::between;
-use crate::{Disparity, DisparityField};
 
 /// Where to start a search of which nothing is known: the middle of the shifts that a coarse look
 /// finds, and how far they reach about it.
@@ -76,8 +74,6 @@ pub struct CoarseVotes {
     votes: Array2<Option<(i32, i32)>>,
     /// Pixels of the image to a coarse one.
     pixel: f32,
-    /// Size of the image.
-    size: Size,
 }
 
 impl CoarseVotes {
@@ -91,10 +87,8 @@ impl CoarseVotes {
         if eyes.left.size() != eyes.right.size() || eyes.left.params() != eyes.right.params() {
             return None;
         }
-        let size = eyes.left.size();
         let eyes = eyes.as_ref().map(|eye| Phases::of(eye, scale));
         let counted = Self {
-            size,
             votes: mutual_matches(&eyes.left, &eyes.right),
             pixel: 2f32.powi(scale as i32),
         };
@@ -118,7 +112,7 @@ impl CoarseVotes {
     ///
     /// A start that reaches far needs coarse scales, and there a large step of depth, or a pattern that
     /// repeats, misleads a search. From each of these, five scales are enough, and
-    /// [`choose`](Self::choose) takes each pixel's field.
+    /// [`most_consistent`](crate::most_consistent) takes each place's field.
     #[must_use]
     pub fn starts(&self) -> Vec<Start> {
         let near = (NEAR_PX / self.pixel).round() as i32;
@@ -137,89 +131,9 @@ impl CoarseVotes {
         starts
     }
 
-    /// One field of several, those from [`starts`](Self::starts): at each pixel the one whose shift is
-    /// nearest to what most votes about it say. `None` without a field, or if one has another size than
-    /// the eyes.
-    #[must_use]
-    pub fn choose(&self, fields: &[DisparityField]) -> Option<DisparityField> {
-        let size = self.size;
-        if fields.is_empty() || fields.iter().any(|field| field.size() != size) {
-            return None;
-        }
-        let votes = self.everywhere();
-        let (rows, columns) = votes.dim();
-        let coarse = |fine: usize, side: usize| {
-            let at = (fine as f32 / self.pixel).round() as usize;
-            at.min(side - 1)
-        };
-        let chosen = Array2::from_shape_fn(size.dim(), |(y, x)| {
-            let (dx, dy) = votes[[coarse(y, rows), coarse(x, columns)]];
-            let far = |field: &DisparityField| {
-                let guess = field.guess(x, y);
-                (guess.dx - dx as f32 * self.pixel).hypot(guess.dy - dy as f32 * self.pixel)
-            };
-            (1..fields.len()).fold(0, |best, next| {
-                if far(&fields[next]) < far(&fields[best]) {
-                    next
-                } else {
-                    best
-                }
-            })
-        });
-        let guess = |of: fn(Disparity) -> f32| {
-            Array2::from_shape_fn(size.dim(), |(y, x)| of(fields[chosen[[y, x]]].guess(x, y)))
-        };
-        let validity =
-            Array2::from_shape_fn(size.dim(), |pixel| fields[chosen[pixel]].validity()[pixel]);
-        Some(DisparityField::trusted(
-            guess(|there| there.dx),
-            guess(|there| there.dy),
-            guess(|there| there.confidence),
-            validity,
-        ))
-    }
-
     /// The part of the coarse pixels that vote.
     fn mutual(&self) -> f32 {
         self.votes.iter().flatten().count() as f32 / self.votes.len() as f32
-    }
-
-    /// The shift that most votes about every coarse pixel stand for, or the nearest vote in steps along
-    /// rows and columns: single votes on a pattern that repeats are a period apart, and their majority
-    /// is not.
-    fn everywhere(&self) -> Array2<(i32, i32)> {
-        let near = (NEAR_PX / self.pixel).round() as i32;
-        let (height, width) = self.votes.dim();
-        let filled = self.filled();
-        let majority = |(y, x): (usize, usize)| {
-            let rows = y.saturating_sub(RADIUS)..(y + RADIUS + 1).min(height);
-            let columns = x.saturating_sub(RADIUS)..(x + RADIUS + 1).min(width);
-            let about = self.votes.slice(s![rows, columns]);
-            let votes: Vec<(i32, i32)> = about.iter().flatten().copied().collect();
-            if votes.is_empty() {
-                filled[[y, x]]
-            } else {
-                strongest(&votes, near)
-            }
-        };
-        Array2::from_shape_fn((height, width), majority)
-    }
-
-    /// The nearest vote to every coarse pixel.
-    fn filled(&self) -> Array2<(i32, i32)> {
-        let mut filled = self.votes.clone();
-        while filled.iter().any(Option::is_none) {
-            let before = filled.clone();
-            for ((y, x), vote) in filled.indexed_iter_mut() {
-                if vote.is_none() {
-                    let around = [(0, -1), (0, 1), (-1, 0), (1, 0)];
-                    *vote = around
-                        .into_iter()
-                        .find_map(|by| *before.get(moved((y, x), by)?)?);
-                }
-            }
-        }
-        filled.mapv(Option::unwrap_or_default)
     }
 }
 
@@ -253,8 +167,8 @@ fn middle(mut shifts: Vec<i32>) -> (f32, f32) {
 /// A pattern that repeats looks the same after a period at one scale, and not at the next: pooling
 /// over scales is what tells the periods apart.
 struct Phases {
-    /// `[[y, x]]` of one number for each channel, channels innermost.
-    units: Vec<Complex32>,
+    /// `[[y, x]]` of two numbers for each channel, even and odd, channels innermost.
+    units: Vec<f32>,
     width: usize,
     height: usize,
     channels: usize,
@@ -278,24 +192,39 @@ impl Phases {
                         |fine: usize, side: usize| (fine as f32 * shrink).min((side - 1) as f32);
                     let (u, v) = (at(x, coarse.width), at(y, coarse.height));
                     let read = between(responses, &waves, u, v);
-                    units.extend(
-                        read.map(|response| response / (response.norm_sqr() + SILENCE).sqrt()),
-                    );
+                    units.extend(read.flat_map(|response| {
+                        let unit = response / (response.norm_sqr() + SILENCE).sqrt();
+                        [unit.re, unit.im]
+                    }));
                 }
             }
         }
         Self {
-            channels: units.len() / size.area(),
+            channels: units.len() / (2 * size.area()),
             units,
             width: size.width,
             height: size.height,
         }
     }
 
-    fn pixel(&self, x: usize, y: usize) -> &[Complex32] {
-        let start = (y * self.width + x) * self.channels;
-        &self.units[start..start + self.channels]
+    fn pixel(&self, x: usize, y: usize) -> &[f32] {
+        let parts = 2 * self.channels;
+        &self.units[(y * self.width + x) * parts..][..parts]
     }
+}
+
+/// The sum of products, eight at a time: strictly one after the other would not vectorise.
+fn dot(left: &[f32], right: &[f32]) -> f32 {
+    let (left, left_rest) = left.as_chunks::<8>();
+    let (right, right_rest) = right.as_chunks::<8>();
+    let mut sums = [0.0f32; 8];
+    for (left, right) in left.iter().zip(right) {
+        for i in 0..8 {
+            sums[i] += left[i] * right[i];
+        }
+    }
+    let rest: f32 = left_rest.iter().zip(right_rest).map(|(l, r)| l * r).sum();
+    sums.iter().sum::<f32>() + rest
 }
 
 /// The best shift of a window so far.
@@ -372,9 +301,7 @@ fn agreement(left: &Phases, right: &Phases, (dx, dy): (i32, i32)) -> Array2<f32>
             let (u, v) = (x as i32 + dx, y as i32 + dy);
             if (0..width as i32).contains(&u) && (0..height as i32).contains(&v) {
                 let there = right.pixel(u as usize, v as usize);
-                let cosines = left.pixel(x, y).iter().zip(there);
-                let sum: f32 = cosines.map(|(l, r)| l.re * r.re + l.im * r.im).sum();
-                row.0 += sum / left.channels as f32;
+                row.0 += dot(left.pixel(x, y), there) / left.channels as f32;
                 row.1 += 1.0;
             }
             let above = sums[[y, x + 1]];
