@@ -34,6 +34,10 @@ const RADIUS: usize = 6;
 /// Least mean cosine of the phase differences in a window for a match.
 const LEAST_AGREEMENT: f32 = 0.6;
 
+/// How much less than the best a window may agree and still vote: what half a coarse pixel between
+/// the true shift and the nearest that is tried costs.
+const SLACK: f32 = 0.15;
+
 /// Starts that share the votes, at most.
 const MOST_STARTS: usize = 4;
 
@@ -61,7 +65,8 @@ impl Start {
 }
 
 /// What a coarse look finds, shift by shift: every shift of a coarse scale is tried everywhere, and the
-/// windows vote that choose each other from both eyes.
+/// windows vote that choose each other from both eyes. Within a pattern that repeats several choose
+/// each other as well as the best do; all of these vote.
 ///
 /// A coarse-to-fine search finds what its coarsest scale can tell: a phase, half a period either way.
 /// Here the cells of all positions vote instead (position shifts, where the pyramid has phase shifts):
@@ -70,8 +75,10 @@ impl Start {
 /// searched, x to half the width either way, y to a tenth of the height.
 #[derive(Clone, Debug)]
 pub struct CoarseVotes {
-    /// The shift that each coarse pixel votes for, in coarse pixels; `None` without a vote.
-    votes: Array2<Option<(i32, i32)>>,
+    /// The shifts that the coarse pixels vote for, in coarse pixels.
+    votes: Vec<(i32, i32)>,
+    /// The part of the coarse pixels that vote.
+    mutual: f32,
     /// Pixels of the image to a coarse one.
     pixel: f32,
 }
@@ -88,27 +95,31 @@ impl CoarseVotes {
             return None;
         }
         let eyes = eyes.as_ref().map(|eye| Phases::of(eye, scale));
-        let counted = Self {
-            votes: mutual_matches(&eyes.left, &eyes.right),
-            pixel: 2f32.powi(scale as i32),
-        };
-        (counted.mutual() >= LEAST_MUTUAL).then_some(counted)
+        let (votes, voters) = mutual_matches(&eyes.left, &eyes.right);
+        let mutual = voters as f32 / (eyes.left.width * eyes.left.height) as f32;
+        let pixel = 2f32.powi(scale as i32);
+        (mutual >= LEAST_MUTUAL).then_some(Self {
+            votes,
+            mutual,
+            pixel,
+        })
     }
 
     /// The start in the middle of all votes, which reaches nine tenths of them.
     #[must_use]
     pub fn middle(&self) -> Start {
-        let (dx, dy): (Vec<i32>, Vec<i32>) = self.votes.iter().flatten().copied().unzip();
+        let (dx, dy): (Vec<i32>, Vec<i32>) = self.votes.iter().copied().unzip();
         let ((dx, reach_x), (dy, reach_y)) = (middle(dx), middle(dy));
         Start {
             shift_px: (dx * self.pixel, dy * self.pixel),
             reach_px: (reach_x.max(reach_y) + 0.5) * self.pixel,
-            mutual: self.mutual(),
+            mutual: self.mutual,
         }
     }
 
     /// Starts that share the votes among them: the shift with the most votes within 24 px, then the
-    /// one with the most of those that are left, until nine tenths have a start; four at most.
+    /// one with the most of those that are left, until all but a twentieth have a start; four at most.
+    /// Each lies at the mean of its own.
     ///
     /// A start that reaches far needs coarse scales, and there a large step of depth, or a pattern that
     /// repeats, misleads a search. From each of these, five scales are enough, and
@@ -116,24 +127,25 @@ impl CoarseVotes {
     #[must_use]
     pub fn starts(&self) -> Vec<Start> {
         let near = (NEAR_PX / self.pixel).round() as i32;
-        let mut left: Vec<(i32, i32)> = self.votes.iter().flatten().copied().collect();
-        let enough = left.len() / 10;
+        let mut left = self.votes.clone();
+        let enough = left.len() / 20;
         let mut starts = Vec::new();
         while left.len() > enough && starts.len() < MOST_STARTS {
             let (dx, dy) = strongest(&left, near);
-            left.retain(|&(x, y)| (x - dx).abs() > near || (y - dy).abs() > near);
+            let close = |&(x, y): &(i32, i32)| (x - dx).abs() <= near && (y - dy).abs() <= near;
+            let (own, others): (Vec<_>, Vec<_>) = left.into_iter().partition(close);
+            left = others;
+            let mean = |of: fn(&(i32, i32)) -> i32| {
+                let sum: i32 = own.iter().map(of).sum();
+                (sum as f32 / own.len() as f32).round() * self.pixel
+            };
             starts.push(Start {
-                shift_px: (dx as f32 * self.pixel, dy as f32 * self.pixel),
+                shift_px: (mean(|own| own.0), mean(|own| own.1)),
                 reach_px: NEAR_PX,
-                mutual: self.mutual(),
+                mutual: self.mutual,
             });
         }
         starts
-    }
-
-    /// The part of the coarse pixels that vote.
-    fn mutual(&self) -> f32 {
-        self.votes.iter().flatten().count() as f32 / self.votes.len() as f32
     }
 }
 
@@ -227,31 +239,9 @@ fn dot(left: &[f32], right: &[f32]) -> f32 {
     sums.iter().sum::<f32>() + rest
 }
 
-/// The best shift of a window so far.
-#[derive(Clone, Copy)]
-struct Best {
-    agreement: f32,
-    shift: Option<(i32, i32)>,
-}
-
-impl Best {
-    const NONE: Self = Self {
-        agreement: LEAST_AGREEMENT,
-        shift: None,
-    };
-
-    fn hear(&mut self, agreement: f32, shift: (i32, i32)) {
-        if agreement > self.agreement {
-            *self = Self {
-                agreement,
-                shift: Some(shift),
-            };
-        }
-    }
-}
-
-/// The shift `(dx, dy)` of every coarse pixel whose window and that it chooses choose each other.
-fn mutual_matches(left: &Phases, right: &Phases) -> Array2<Option<(i32, i32)>> {
+/// The shifts `(dx, dy)` of all windows that choose each other, and the number of left pixels that
+/// choose any.
+fn mutual_matches(left: &Phases, right: &Phases) -> (Vec<(i32, i32)>, usize) {
     let reach_x = (REACH_X * left.width.max(left.height) as f32) as i32;
     let reach_y = ((REACH_Y * left.width.min(left.height) as f32) as i32).max(1);
     let shifts: Vec<(i32, i32)> = (-reach_y..=reach_y)
@@ -262,23 +252,48 @@ fn mutual_matches(left: &Phases, right: &Phases) -> Array2<Option<(i32, i32)>> {
         .map(|&shift| agreement(left, right, shift))
         .collect();
     let dim = (left.height, left.width);
-    let mut from_left = Array2::from_elem(dim, Best::NONE);
+    let mut from_left = Array2::from_elem(dim, LEAST_AGREEMENT);
     let mut from_right = from_left.clone();
     for (&shift, plane) in shifts.iter().zip(&planes) {
         for ((y, x), &agreement) in plane.indexed_iter() {
-            from_left[[y, x]].hear(agreement, shift);
+            from_left[[y, x]] = agreement.max(from_left[[y, x]]);
             if let Some(there) = moved((y, x), shift)
                 && let Some(best) = from_right.get_mut(there)
             {
-                best.hear(agreement, shift);
+                *best = agreement.max(*best);
             }
         }
     }
-    Array2::from_shape_fn(dim, |here| {
-        let shift = from_left[here].shift?;
-        let back = from_right.get(moved(here, shift)?)?.shift;
-        (back == Some(shift)).then_some(shift)
-    })
+    let across = 2 * reach_x as usize + 1;
+    let mut voted = Array2::from_elem(dim, false);
+    let mut votes = Vec::new();
+    for (tried, (&shift, plane)) in shifts.iter().zip(&planes).enumerate() {
+        let column = tried % across;
+        let beside = [
+            (column > 0).then(|| tried - 1),
+            (column + 1 < across).then(|| tried + 1),
+            tried.checked_sub(across),
+            Some(tried + across),
+        ];
+        for ((y, x), &agreement) in plane.indexed_iter() {
+            let there = moved((y, x), shift).and_then(|there| from_right.get(there));
+            let best = there.map(|&best| best.max(from_left[[y, x]]));
+            if agreement <= LEAST_AGREEMENT || best.is_none_or(|best| agreement < best - SLACK) {
+                continue;
+            }
+            // One vote to a peak: the shifts beside it agree nearly as well.
+            let mut beside = beside
+                .iter()
+                .flatten()
+                .filter_map(|&other| planes.get(other));
+            if beside.all(|other| other[[y, x]] <= agreement) {
+                votes.push(shift);
+                voted[[y, x]] = true;
+            }
+        }
+    }
+    let voters = voted.iter().filter(|&&voted| voted).count();
+    (votes, voters)
 }
 
 /// The pixel `[y, x]` moved by `(dx, dy)`; `None` left of or above the image.
