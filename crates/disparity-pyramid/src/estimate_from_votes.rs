@@ -22,7 +22,7 @@ const NEAR_SCALES: usize = 5;
 /// zero, nor how far apart, nor whether a pattern repeats.
 ///
 /// A coarse look finds the starts ([`CoarseVotes`]): the middle of the votes if five scales reach
-/// them all, else up to four. From each the pyramid is run over no more scales than it takes
+/// them all, else up to six. From each the pyramid is run over no more scales than it takes
 /// ([`estimate`](crate::estimate)), and of the fields [`most_consistent`] takes at each place the one
 /// that both eyes can agree upon. `eyes` should hold all scales that their size allows
 /// ([`GaborParams::most_scales`]): the coarse look reads those of less than a hundred pixels.

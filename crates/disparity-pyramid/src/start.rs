@@ -39,7 +39,7 @@ const LEAST_AGREEMENT: f32 = 0.6;
 const SLACK: f32 = 0.15;
 
 /// Starts that share the votes, at most.
-const MOST_STARTS: usize = 4;
+const MOST_STARTS: usize = 6;
 
 /// How far the votes lie that belong to one start, px: what five scales reach.
 const NEAR_PX: f32 = 24.0;
@@ -118,8 +118,7 @@ impl CoarseVotes {
     }
 
     /// Starts that share the votes among them: the shift with the most votes within 24 px, then the
-    /// one with the most of those that are left, until all but a twentieth have a start; four at most.
-    /// Each lies at the mean of its own.
+    /// one with the most of those that are left, until all but a twentieth have a start; six at most.
     ///
     /// A start that reaches far needs coarse scales, and there a large step of depth, or a pattern that
     /// repeats, misleads a search. From each of these, five scales are enough, and
@@ -132,15 +131,9 @@ impl CoarseVotes {
         let mut starts = Vec::new();
         while left.len() > enough && starts.len() < MOST_STARTS {
             let (dx, dy) = strongest(&left, near);
-            let close = |&(x, y): &(i32, i32)| (x - dx).abs() <= near && (y - dy).abs() <= near;
-            let (own, others): (Vec<_>, Vec<_>) = left.into_iter().partition(close);
-            left = others;
-            let mean = |of: fn(&(i32, i32)) -> i32| {
-                let sum: i32 = own.iter().map(of).sum();
-                (sum as f32 / own.len() as f32).round() * self.pixel
-            };
+            left.retain(|&(x, y)| (x - dx).abs() > near || (y - dy).abs() > near);
             starts.push(Start {
-                shift_px: (mean(|own| own.0), mean(|own| own.1)),
+                shift_px: (dx as f32 * self.pixel, dy as f32 * self.pixel),
                 reach_px: NEAR_PX,
                 mutual: self.mutual,
             });
