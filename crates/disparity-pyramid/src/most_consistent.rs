@@ -262,7 +262,7 @@ mod tests {
             assert_eq!(chosen.guess(x, 48).dx, -12.0, "at {x}");
         }
         assert!(most_consistent(&[]).is_none());
-        assert_eq!(most_consistent(&[truth.clone()]), Some(truth));
+        assert_eq!(most_consistent(std::slice::from_ref(&truth)), Some(truth));
     }
 
     #[test]
