@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
-use disparity_pyramid::{CoarseVotes, DisparityField, MatchParams, Start, estimate};
+use disparity_pyramid::{DisparityField, FromVotes, MatchParams, estimate, estimate_from_votes};
 use ndarray::ArrayView2;
 use stereo_formats::points::PointPair;
 use stereo_formats::scene_folder::{self, StereoScene};
@@ -63,9 +63,6 @@ enum StartName {
     /// At zero, with six scales
     Zero,
 }
-
-/// Scales that a search from near needs: they reach 24 px.
-const NEAR_SCALES: usize = 5;
 
 /// Rectified scenes whose disparities reach far.
 const FAR: [&str; 4] = ["aloe", "teddy-half", "motorcycle", "teddy"];
@@ -155,12 +152,13 @@ fn at_points(
 ) -> anyhow::Result<PointScore> {
     let eyes = scene.pair()?;
     let responses = respond(&eyes, most_scales(eyes.left.size()))?;
-    let (starts, field, scales) = match start {
-        StartName::Auto => match_from_votes(&eyes, &responses)?,
-        StartName::Zero => {
-            let (field, scales) = match_from(None, &eyes, &responses)?;
-            (Vec::new(), field, scales)
-        }
+    let FromVotes {
+        field,
+        starts,
+        scales,
+    } = match start {
+        StartName::Auto => estimate_from_votes(&responses, MatchParams::default())?,
+        StartName::Zero => from_zero(&eyes)?,
     };
     Ok(PointScore {
         scene: scene.description.name.clone(),
@@ -192,10 +190,9 @@ fn from_start(scene: &StereoScene) -> anyhow::Result<StartScore> {
             over(file_sign::d_of_field(field, true).view()),
         )
     };
-    let (from_zero, _) = match_from(None, &eyes, &responses)?;
-    let (starts, from_start, scales) = match_from_votes(&eyes, &responses)?;
-    let (zero_valid, zero_dense) = score(&from_zero);
-    let (start_valid, start_dense) = score(&from_start);
+    let found = estimate_from_votes(&responses, MatchParams::default())?;
+    let (zero_valid, zero_dense) = score(&from_zero(&eyes)?.field);
+    let (start_valid, start_dense) = score(&found.field);
     let mut known: Vec<f32> = truth.iter().copied().filter(|d| d.is_finite()).collect();
     known.sort_unstable_by(f32::total_cmp);
     let last = known.len().saturating_sub(1);
@@ -203,8 +200,8 @@ fn from_start(scene: &StereoScene) -> anyhow::Result<StartScore> {
     Ok(StartScore {
         scene: scene.description.name.clone(),
         truth_px: at(last / 20).zip(at(last - last / 20)),
-        starts_px: starts.iter().map(|start| start.shift_px).collect(),
-        scales,
+        starts_px: found.starts.iter().map(|start| start.shift_px).collect(),
+        scales: found.scales,
         zero_valid,
         zero_dense,
         start_valid,
@@ -212,48 +209,16 @@ fn from_start(scene: &StereoScene) -> anyhow::Result<StartScore> {
     })
 }
 
-/// The field of a pair of which nothing is known: from the middle of the coarse votes if five scales
-/// reach them all, else each pixel's from the nearest of several starts; from zero without a vote.
-fn match_from_votes(
-    eyes: &Binocular<Picture>,
-    responses: &Binocular<V1Responses>,
-) -> anyhow::Result<(Vec<Start>, DisparityField, usize)> {
-    let Some(votes) = CoarseVotes::count(responses) else {
-        let (field, scales) = match_from(None, eyes, responses)?;
-        return Ok((Vec::new(), field, scales));
-    };
-    let middle = votes.middle();
-    let starts = if middle.scales() <= NEAR_SCALES {
-        vec![middle]
-    } else {
-        votes.starts()
-    };
-    let mut fields = Vec::new();
-    let mut most = 0;
-    for start in &starts {
-        let (field, scales) = match_from(Some(*start), eyes, responses)?;
-        fields.push(field);
-        most = most.max(scales);
-    }
-    let field = votes.choose(&fields).context("votes without a start")?;
-    Ok((starts, field, most))
-}
-
-/// The field from a start, with the scales that it asks for; from zero with six if there is none.
-fn match_from(
-    start: Option<Start>,
-    eyes: &Binocular<Picture>,
-    responses: &Binocular<V1Responses>,
-) -> anyhow::Result<(DisparityField, usize)> {
-    let default = GaborParams::default().scales;
-    let wanted = start.map_or(default, |start| start.scales());
-    let scales = wanted.min(responses.left.scales().len());
-    let params = MatchParams {
-        zero_disparity_px: start.map_or((0.0, 0.0), |start| start.shift_px),
-        ..MatchParams::default()
-    };
-    let responses = respond(eyes, scales)?;
-    Ok((estimate(&responses, params)?, scales))
+/// The field from zero, with six scales.
+fn from_zero(eyes: &Binocular<Picture>) -> anyhow::Result<FromVotes> {
+    let scales = GaborParams::default()
+        .scales
+        .min(most_scales(eyes.left.size()));
+    Ok(FromVotes {
+        field: estimate(&respond(eyes, scales)?, MatchParams::default())?,
+        starts: Vec::new(),
+        scales,
+    })
 }
 
 /// What both eyes say, over this many scales.

@@ -191,9 +191,9 @@ impl VergentRun {
              Verged cameras and a rig out of line, unrectified, matched in both components; the truth \
              is sparse. The start of the search is found by a coarse look (`disparity_pyramid::Start`): \
              every shift of a coarse scale is tried, and windows that choose each other from both eyes \
-             vote. The middle of the votes is the start if five scales reach them all; else up to four starts \
-             share them, and each pixel gets the field that is nearest to its own vote \
-             (`CoarseVotes`).\n\n\
+             vote. The middle of the votes is the start if five scales reach them all; else up to six starts \
+             share them, and of their fields each place gets the one that both eyes can agree upon \
+             (`disparity_pyramid::most_consistent`).\n\n\
              ## Errors at the points\n\nEndpoint errors in px; **valid** where the estimator stands \
              behind its answer, **dense** the best guess.\n\n{}\n## Marks\n\n{}\n",
             self.date,

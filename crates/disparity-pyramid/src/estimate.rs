@@ -60,6 +60,15 @@ pub fn estimate(
     eyes: &Binocular<V1Responses>,
     params: MatchParams,
 ) -> Result<DisparityField, Mismatch> {
+    estimate_over(eyes, params, eyes.left.scales().len())
+}
+
+/// The same over the finest `scales` of those that the eyes hold.
+pub(crate) fn estimate_over(
+    eyes: &Binocular<V1Responses>,
+    params: MatchParams,
+    scales: usize,
+) -> Result<DisparityField, Mismatch> {
     params.check()?;
     let (left, right) = (&eyes.left, &eyes.right);
     if left.size() != right.size() {
@@ -81,7 +90,12 @@ pub fn estimate(
         .as_ref()
         .map_or((left, right), |heard| (&heard.left, &heard.right));
     let waves = left.params().wave_vectors();
-    let sizes: Vec<Size> = left.scales().iter().map(Responses::size).collect();
+    let sizes: Vec<Size> = left
+        .scales()
+        .iter()
+        .map(Responses::size)
+        .take(scales)
+        .collect();
     let warp = |from: &V1Responses, to: &V1Responses, scale: usize, shifts: &mut Shifts, dy: &_| {
         let eyes = Eyes {
             left: &from.scales()[scale],

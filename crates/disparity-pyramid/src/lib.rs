@@ -47,6 +47,9 @@
 //! Then the same is done from the right eye to the left, and what does not come back to where it
 //! started is occluded or inconsistent. [`MatchParams::as_published`] takes the paper's steps alone.
 //!
+//! Where nothing is known of the range, [`estimate_from_votes`] finds where to start, and how many
+//! scales it takes.
+//!
 //! [`estimate_monogenic`] takes the same steps over responses that know one orientation a pixel
 //! ([`v1_gabor::MonogenicResponses`]), with fits over neighbourhoods in place of orientations.
 mod between;
@@ -54,6 +57,7 @@ mod coarse_to_fine;
 mod dense;
 mod disparity_field;
 mod estimate;
+mod estimate_from_votes;
 mod estimate_monogenic;
 mod estimate_population;
 mod expand;
@@ -63,6 +67,7 @@ mod left_right;
 mod match_params;
 mod median;
 mod median_network;
+mod most_consistent;
 #[cfg(target_arch = "x86_64")]
 mod pair_read;
 mod phase;
@@ -84,9 +89,11 @@ pub use dense::{
 };
 pub use disparity_field::{Disparity, DisparityField, NotAField};
 pub use estimate::{Mismatch, estimate};
+pub use estimate_from_votes::{FromVotes, estimate_from_votes};
 pub use estimate_monogenic::estimate_monogenic;
 pub use estimate_population::estimate_population;
 pub use match_params::{MatchParams, MedianRadius};
+pub use most_consistent::most_consistent;
 pub use population::{Population, binocular_energy};
 pub use shift_covariance::ShiftCovariance;
 pub use start::{CoarseVotes, Start};

@@ -1,10 +1,8 @@
 use ndarray::{Array2, s};
-use num_complex::Complex32;
 use rayon::prelude::*;
-use v1_gabor::{Binocular, Responses, Size, V1Responses};
+use v1_gabor::{Binocular, Responses, V1Responses};
 
 use crate::between::between;
-use crate::{Disparity, DisparityField};
 
 /// Where to start a search of which nothing is known: the middle of the shifts that a coarse look
 /// finds, and how far they reach about it.
@@ -36,8 +34,12 @@ const RADIUS: usize = 6;
 /// Least mean cosine of the phase differences in a window for a match.
 const LEAST_AGREEMENT: f32 = 0.6;
 
+/// How much less than the best a window may agree and still vote: what half a coarse pixel between
+/// the true shift and the nearest that is tried costs.
+const SLACK: f32 = 0.15;
+
 /// Starts that share the votes, at most.
-const MOST_STARTS: usize = 4;
+const MOST_STARTS: usize = 6;
 
 /// How far the votes lie that belong to one start, px: what five scales reach.
 const NEAR_PX: f32 = 24.0;
@@ -63,7 +65,8 @@ impl Start {
 }
 
 /// What a coarse look finds, shift by shift: every shift of a coarse scale is tried everywhere, and the
-/// windows vote that choose each other from both eyes.
+/// windows vote that choose each other from both eyes. Within a pattern that repeats several choose
+/// each other as well as the best do; all of these vote.
 ///
 /// A coarse-to-fine search finds what its coarsest scale can tell: a phase, half a period either way.
 /// Here the cells of all positions vote instead (position shifts, where the pyramid has phase shifts):
@@ -72,12 +75,12 @@ impl Start {
 /// searched, x to half the width either way, y to a tenth of the height.
 #[derive(Clone, Debug)]
 pub struct CoarseVotes {
-    /// The shift that each coarse pixel votes for, in coarse pixels; `None` without a vote.
-    votes: Array2<Option<(i32, i32)>>,
+    /// The shifts that the coarse pixels vote for, in coarse pixels.
+    votes: Vec<(i32, i32)>,
+    /// The part of the coarse pixels that vote.
+    mutual: f32,
     /// Pixels of the image to a coarse one.
     pixel: f32,
-    /// Size of the image.
-    size: Size,
 }
 
 impl CoarseVotes {
@@ -91,39 +94,40 @@ impl CoarseVotes {
         if eyes.left.size() != eyes.right.size() || eyes.left.params() != eyes.right.params() {
             return None;
         }
-        let size = eyes.left.size();
         let eyes = eyes.as_ref().map(|eye| Phases::of(eye, scale));
-        let counted = Self {
-            size,
-            votes: mutual_matches(&eyes.left, &eyes.right),
-            pixel: 2f32.powi(scale as i32),
-        };
-        (counted.mutual() >= LEAST_MUTUAL).then_some(counted)
+        let (votes, voters) = mutual_matches(&eyes.left, &eyes.right);
+        let mutual = voters as f32 / (eyes.left.width * eyes.left.height) as f32;
+        let pixel = 2f32.powi(scale as i32);
+        (mutual >= LEAST_MUTUAL).then_some(Self {
+            votes,
+            mutual,
+            pixel,
+        })
     }
 
     /// The start in the middle of all votes, which reaches nine tenths of them.
     #[must_use]
     pub fn middle(&self) -> Start {
-        let (dx, dy): (Vec<i32>, Vec<i32>) = self.votes.iter().flatten().copied().unzip();
+        let (dx, dy): (Vec<i32>, Vec<i32>) = self.votes.iter().copied().unzip();
         let ((dx, reach_x), (dy, reach_y)) = (middle(dx), middle(dy));
         Start {
             shift_px: (dx * self.pixel, dy * self.pixel),
             reach_px: (reach_x.max(reach_y) + 0.5) * self.pixel,
-            mutual: self.mutual(),
+            mutual: self.mutual,
         }
     }
 
     /// Starts that share the votes among them: the shift with the most votes within 24 px, then the
-    /// one with the most of those that are left, until nine tenths have a start; four at most.
+    /// one with the most of those that are left, until all but a twentieth have a start; six at most.
     ///
     /// A start that reaches far needs coarse scales, and there a large step of depth, or a pattern that
     /// repeats, misleads a search. From each of these, five scales are enough, and
-    /// [`choose`](Self::choose) takes each pixel's field.
+    /// [`most_consistent`](crate::most_consistent) takes each place's field.
     #[must_use]
     pub fn starts(&self) -> Vec<Start> {
         let near = (NEAR_PX / self.pixel).round() as i32;
-        let mut left: Vec<(i32, i32)> = self.votes.iter().flatten().copied().collect();
-        let enough = left.len() / 10;
+        let mut left = self.votes.clone();
+        let enough = left.len() / 20;
         let mut starts = Vec::new();
         while left.len() > enough && starts.len() < MOST_STARTS {
             let (dx, dy) = strongest(&left, near);
@@ -131,95 +135,10 @@ impl CoarseVotes {
             starts.push(Start {
                 shift_px: (dx as f32 * self.pixel, dy as f32 * self.pixel),
                 reach_px: NEAR_PX,
-                mutual: self.mutual(),
+                mutual: self.mutual,
             });
         }
         starts
-    }
-
-    /// One field of several, those from [`starts`](Self::starts): at each pixel the one whose shift is
-    /// nearest to what most votes about it say. `None` without a field, or if one has another size than
-    /// the eyes.
-    #[must_use]
-    pub fn choose(&self, fields: &[DisparityField]) -> Option<DisparityField> {
-        let size = self.size;
-        if fields.is_empty() || fields.iter().any(|field| field.size() != size) {
-            return None;
-        }
-        let votes = self.everywhere();
-        let (rows, columns) = votes.dim();
-        let coarse = |fine: usize, side: usize| {
-            let at = (fine as f32 / self.pixel).round() as usize;
-            at.min(side - 1)
-        };
-        let chosen = Array2::from_shape_fn(size.dim(), |(y, x)| {
-            let (dx, dy) = votes[[coarse(y, rows), coarse(x, columns)]];
-            let far = |field: &DisparityField| {
-                let guess = field.guess(x, y);
-                (guess.dx - dx as f32 * self.pixel).hypot(guess.dy - dy as f32 * self.pixel)
-            };
-            (1..fields.len()).fold(0, |best, next| {
-                if far(&fields[next]) < far(&fields[best]) {
-                    next
-                } else {
-                    best
-                }
-            })
-        });
-        let guess = |of: fn(Disparity) -> f32| {
-            Array2::from_shape_fn(size.dim(), |(y, x)| of(fields[chosen[[y, x]]].guess(x, y)))
-        };
-        let validity =
-            Array2::from_shape_fn(size.dim(), |pixel| fields[chosen[pixel]].validity()[pixel]);
-        Some(DisparityField::trusted(
-            guess(|there| there.dx),
-            guess(|there| there.dy),
-            guess(|there| there.confidence),
-            validity,
-        ))
-    }
-
-    /// The part of the coarse pixels that vote.
-    fn mutual(&self) -> f32 {
-        self.votes.iter().flatten().count() as f32 / self.votes.len() as f32
-    }
-
-    /// The shift that most votes about every coarse pixel stand for, or the nearest vote in steps along
-    /// rows and columns: single votes on a pattern that repeats are a period apart, and their majority
-    /// is not.
-    fn everywhere(&self) -> Array2<(i32, i32)> {
-        let near = (NEAR_PX / self.pixel).round() as i32;
-        let (height, width) = self.votes.dim();
-        let filled = self.filled();
-        let majority = |(y, x): (usize, usize)| {
-            let rows = y.saturating_sub(RADIUS)..(y + RADIUS + 1).min(height);
-            let columns = x.saturating_sub(RADIUS)..(x + RADIUS + 1).min(width);
-            let about = self.votes.slice(s![rows, columns]);
-            let votes: Vec<(i32, i32)> = about.iter().flatten().copied().collect();
-            if votes.is_empty() {
-                filled[[y, x]]
-            } else {
-                strongest(&votes, near)
-            }
-        };
-        Array2::from_shape_fn((height, width), majority)
-    }
-
-    /// The nearest vote to every coarse pixel.
-    fn filled(&self) -> Array2<(i32, i32)> {
-        let mut filled = self.votes.clone();
-        while filled.iter().any(Option::is_none) {
-            let before = filled.clone();
-            for ((y, x), vote) in filled.indexed_iter_mut() {
-                if vote.is_none() {
-                    let around = [(0, -1), (0, 1), (-1, 0), (1, 0)];
-                    *vote = around
-                        .into_iter()
-                        .find_map(|by| *before.get(moved((y, x), by)?)?);
-                }
-            }
-        }
-        filled.mapv(Option::unwrap_or_default)
     }
 }
 
@@ -253,8 +172,8 @@ fn middle(mut shifts: Vec<i32>) -> (f32, f32) {
 /// A pattern that repeats looks the same after a period at one scale, and not at the next: pooling
 /// over scales is what tells the periods apart.
 struct Phases {
-    /// `[[y, x]]` of one number for each channel, channels innermost.
-    units: Vec<Complex32>,
+    /// `[[y, x]]` of two numbers for each channel, even and odd, channels innermost.
+    units: Vec<f32>,
     width: usize,
     height: usize,
     channels: usize,
@@ -278,51 +197,44 @@ impl Phases {
                         |fine: usize, side: usize| (fine as f32 * shrink).min((side - 1) as f32);
                     let (u, v) = (at(x, coarse.width), at(y, coarse.height));
                     let read = between(responses, &waves, u, v);
-                    units.extend(
-                        read.map(|response| response / (response.norm_sqr() + SILENCE).sqrt()),
-                    );
+                    units.extend(read.flat_map(|response| {
+                        let unit = response / (response.norm_sqr() + SILENCE).sqrt();
+                        [unit.re, unit.im]
+                    }));
                 }
             }
         }
         Self {
-            channels: units.len() / size.area(),
+            channels: units.len() / (2 * size.area()),
             units,
             width: size.width,
             height: size.height,
         }
     }
 
-    fn pixel(&self, x: usize, y: usize) -> &[Complex32] {
-        let start = (y * self.width + x) * self.channels;
-        &self.units[start..start + self.channels]
+    fn pixel(&self, x: usize, y: usize) -> &[f32] {
+        let parts = 2 * self.channels;
+        &self.units[(y * self.width + x) * parts..][..parts]
     }
 }
 
-/// The best shift of a window so far.
-#[derive(Clone, Copy)]
-struct Best {
-    agreement: f32,
-    shift: Option<(i32, i32)>,
-}
-
-impl Best {
-    const NONE: Self = Self {
-        agreement: LEAST_AGREEMENT,
-        shift: None,
-    };
-
-    fn hear(&mut self, agreement: f32, shift: (i32, i32)) {
-        if agreement > self.agreement {
-            *self = Self {
-                agreement,
-                shift: Some(shift),
-            };
+/// The sum of products, eight at a time: strictly one after the other would not vectorise.
+fn dot(left: &[f32], right: &[f32]) -> f32 {
+    let (left, left_rest) = left.as_chunks::<8>();
+    let (right, right_rest) = right.as_chunks::<8>();
+    let mut sums = [0.0f32; 8];
+    for (left, right) in left.iter().zip(right) {
+        for i in 0..8 {
+            sums[i] += left[i] * right[i];
         }
     }
+    let rest: f32 = left_rest.iter().zip(right_rest).map(|(l, r)| l * r).sum();
+    sums.iter().sum::<f32>() + rest
 }
 
-/// The shift `(dx, dy)` of every coarse pixel whose window and that it chooses choose each other.
-fn mutual_matches(left: &Phases, right: &Phases) -> Array2<Option<(i32, i32)>> {
+/// The shifts `(dx, dy)` of all windows that choose each other, and the number of left pixels that
+/// choose any.
+fn mutual_matches(left: &Phases, right: &Phases) -> (Vec<(i32, i32)>, usize) {
     let reach_x = (REACH_X * left.width.max(left.height) as f32) as i32;
     let reach_y = ((REACH_Y * left.width.min(left.height) as f32) as i32).max(1);
     let shifts: Vec<(i32, i32)> = (-reach_y..=reach_y)
@@ -333,23 +245,48 @@ fn mutual_matches(left: &Phases, right: &Phases) -> Array2<Option<(i32, i32)>> {
         .map(|&shift| agreement(left, right, shift))
         .collect();
     let dim = (left.height, left.width);
-    let mut from_left = Array2::from_elem(dim, Best::NONE);
+    let mut from_left = Array2::from_elem(dim, LEAST_AGREEMENT);
     let mut from_right = from_left.clone();
     for (&shift, plane) in shifts.iter().zip(&planes) {
         for ((y, x), &agreement) in plane.indexed_iter() {
-            from_left[[y, x]].hear(agreement, shift);
+            from_left[[y, x]] = agreement.max(from_left[[y, x]]);
             if let Some(there) = moved((y, x), shift)
                 && let Some(best) = from_right.get_mut(there)
             {
-                best.hear(agreement, shift);
+                *best = agreement.max(*best);
             }
         }
     }
-    Array2::from_shape_fn(dim, |here| {
-        let shift = from_left[here].shift?;
-        let back = from_right.get(moved(here, shift)?)?.shift;
-        (back == Some(shift)).then_some(shift)
-    })
+    let across = 2 * reach_x as usize + 1;
+    let mut voted = Array2::from_elem(dim, false);
+    let mut votes = Vec::new();
+    for (tried, (&shift, plane)) in shifts.iter().zip(&planes).enumerate() {
+        let column = tried % across;
+        let beside = [
+            (column > 0).then(|| tried - 1),
+            (column + 1 < across).then(|| tried + 1),
+            tried.checked_sub(across),
+            Some(tried + across),
+        ];
+        for ((y, x), &agreement) in plane.indexed_iter() {
+            let there = moved((y, x), shift).and_then(|there| from_right.get(there));
+            let best = there.map(|&best| best.max(from_left[[y, x]]));
+            if agreement <= LEAST_AGREEMENT || best.is_none_or(|best| agreement < best - SLACK) {
+                continue;
+            }
+            // One vote to a peak: the shifts beside it agree nearly as well.
+            let mut beside = beside
+                .iter()
+                .flatten()
+                .filter_map(|&other| planes.get(other));
+            if beside.all(|other| other[[y, x]] <= agreement) {
+                votes.push(shift);
+                voted[[y, x]] = true;
+            }
+        }
+    }
+    let voters = voted.iter().filter(|&&voted| voted).count();
+    (votes, voters)
 }
 
 /// The pixel `[y, x]` moved by `(dx, dy)`; `None` left of or above the image.
@@ -372,9 +309,7 @@ fn agreement(left: &Phases, right: &Phases, (dx, dy): (i32, i32)) -> Array2<f32>
             let (u, v) = (x as i32 + dx, y as i32 + dy);
             if (0..width as i32).contains(&u) && (0..height as i32).contains(&v) {
                 let there = right.pixel(u as usize, v as usize);
-                let cosines = left.pixel(x, y).iter().zip(there);
-                let sum: f32 = cosines.map(|(l, r)| l.re * r.re + l.im * r.im).sum();
-                row.0 += sum / left.channels as f32;
+                row.0 += dot(left.pixel(x, y), there) / left.channels as f32;
                 row.1 += 1.0;
             }
             let above = sums[[y, x + 1]];

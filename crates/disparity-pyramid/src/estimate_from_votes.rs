@@ -1,0 +1,66 @@
+use v1_gabor::{Binocular, GaborParams, V1Responses};
+
+use crate::estimate::estimate_over;
+use crate::{CoarseVotes, DisparityField, MatchParams, Mismatch, Start, most_consistent};
+
+/// What a search of which nothing was known found, and where it began.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FromVotes {
+    /// The vector disparity of every pixel of the left image.
+    pub field: DisparityField,
+    /// The starts that the coarse look found, by the number of their votes; none if hardly anything
+    /// voted, and the search began at [`MatchParams::zero_disparity_px`].
+    pub starts: Vec<Start>,
+    /// Scales of the pyramid that were searched.
+    pub scales: usize,
+}
+
+/// Scales that a search from near needs: they reach 24 px.
+const NEAR_SCALES: usize = 5;
+
+/// The vector disparity of a pair of which nothing is known: neither how far its shifts lie from
+/// zero, nor how far apart, nor whether a pattern repeats.
+///
+/// A coarse look finds the starts ([`CoarseVotes`]): the middle of the votes if five scales reach
+/// them all, else up to six. From each the pyramid is run over no more scales than it takes
+/// ([`estimate`](crate::estimate)), and of the fields [`most_consistent`] takes at each place the one
+/// that both eyes can agree upon. `eyes` should hold all scales that their size allows
+/// ([`GaborParams::most_scales`]): the coarse look reads those of less than a hundred pixels.
+///
+/// # Errors
+/// [`Mismatch`] as `estimate`.
+pub fn estimate_from_votes(
+    eyes: &Binocular<V1Responses>,
+    params: MatchParams,
+) -> Result<FromVotes, Mismatch> {
+    let held = eyes.left.scales().len();
+    let from = |start: Option<Start>| {
+        let wanted = start.map_or(GaborParams::default().scales, |start| start.scales());
+        let scales = wanted.min(held);
+        let params = MatchParams {
+            zero_disparity_px: start.map_or(params.zero_disparity_px, |start| start.shift_px),
+            ..params
+        };
+        Ok((estimate_over(eyes, params, scales)?, scales))
+    };
+    let starts = CoarseVotes::count(eyes).map_or_else(Vec::new, |votes| {
+        let middle = votes.middle();
+        if middle.scales() <= NEAR_SCALES {
+            vec![middle]
+        } else {
+            votes.starts()
+        }
+    });
+    let found = starts.iter().map(|&start| from(Some(start)));
+    let found = found.collect::<Result<Vec<_>, _>>()?;
+    let (fields, scales): (Vec<_>, Vec<_>) = found.into_iter().unzip();
+    let (field, scales) = match (most_consistent(&fields), scales.into_iter().max()) {
+        (Some(field), Some(scales)) => (field, scales),
+        _ => from(None)?,
+    };
+    Ok(FromVotes {
+        field,
+        starts,
+        scales,
+    })
+}
