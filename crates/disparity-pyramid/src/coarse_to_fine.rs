@@ -1,12 +1,12 @@
-use ndarray::{Array2, Zip};
+use ndarray::Array2;
 use v1_gabor::Size;
 
+use crate::MatchParams;
 use crate::expand::expand;
 use crate::fill::fill;
-use crate::median::median_of_known;
+use crate::median::smooth_valid;
 use crate::refine::Shifts;
 use crate::shift_covariance::FitCovariance;
-use crate::{MatchParams, MedianRadius};
 
 /// The shifts that take one eye's image to the other's, from the coarsest scale down to the scale
 /// `last` (equation 4), 0 being the finest. `sizes` are the scales', finest first; `start_px` is in
@@ -51,29 +51,12 @@ pub(crate) fn coarse_to_fine(
             } else {
                 params.medians
             };
-            smooth(&mut shifts, medians, params.median_radius);
+            // They also fill where there was no answer, as far as they reach; elsewhere the coarser
+            // scale's shift stays.
+            let planes = [&mut shifts.dx, &mut shifts.dy];
+            smooth_valid(planes, &shifts.validity, medians, params.median_radius);
         }
     }
     fill(&mut shifts, params.fill_neighbours);
     shifts
-}
-
-/// Medians over valid neighbours; they also fill where there was no answer, as far as they reach.
-/// Elsewhere the coarser scale's shift stays.
-fn smooth(shifts: &mut Shifts, medians: usize, radius: MedianRadius) {
-    let mut dx = shifts.known(&shifts.dx);
-    let mut dy = shifts.known(&shifts.dy);
-    for _ in 0..medians {
-        dx = median_of_known(dx.view(), radius);
-        dy = median_of_known(dy.view(), radius);
-    }
-    let take = |kept: &mut Array2<f32>, smoothed: &Array2<f32>| {
-        Zip::from(kept).and(smoothed).for_each(|kept, &smoothed| {
-            if !smoothed.is_nan() {
-                *kept = smoothed;
-            }
-        });
-    };
-    take(&mut shifts.dx, &dx);
-    take(&mut shifts.dy, &dy);
 }

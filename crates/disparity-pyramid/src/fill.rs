@@ -21,56 +21,88 @@ pub(crate) fn fill(shifts: &mut Shifts, least: Option<usize>) {
     let Some(least) = least else {
         return;
     };
-    let least = least.max(1);
+    let least = u8::try_from(least.max(1)).unwrap_or(u8::MAX);
     let (height, width) = shifts.dx.dim();
     let validity = shifts.validity.as_slice().expect(CONTIGUOUS);
-    let filled: Vec<_> = (0..height)
-        .into_par_iter()
-        .flat_map_iter(|y| {
-            let mut columns = vec![0u8; width];
+    let residual = shifts.residual.as_slice().expect(CONTIGUOUS);
+    let (mut filled, mut residuals) = (shifts.validity.clone(), shifts.residual.clone());
+    let rows = filled
+        .as_slice_mut()
+        .expect(CONTIGUOUS)
+        .par_chunks_mut(width);
+    let residual_rows = residuals
+        .as_slice_mut()
+        .expect(CONTIGUOUS)
+        .par_chunks_mut(width);
+    rows.zip(residual_rows).enumerate().for_each_init(
+        || Columns::new(width),
+        |columns, (y, (filled, residuals))| {
+            columns.clear();
             for row in around(y, height) {
-                for (column, validity) in columns.iter_mut().zip(&validity[row * width..]) {
-                    *column += u8::from(validity.is_valid());
+                let row = row * width..(row + 1) * width;
+                columns.add(&validity[row.clone()], &residual[row]);
+            }
+            columns.count_windows();
+            for x in 0..width {
+                let asks = matches!(filled[x], Validity::NoEnergy | Validity::Incoherent);
+                if asks && columns.windows[x] >= least {
+                    filled[x] = Validity::Valid;
+                    let sum: f32 = columns.sums[x..=x + 2 * REACH].iter().sum();
+                    residuals[x] = sum / f32::from(columns.windows[x]);
                 }
             }
-            let asks = move |x: &usize| {
-                matches!(
-                    validity[y * width + x],
-                    Validity::NoEnergy | Validity::Incoherent
-                )
-            };
-            let answered = move |x: &usize| {
-                let columns = &columns[around(*x, width)];
-                columns
-                    .iter()
-                    .map(|&valid| usize::from(valid))
-                    .sum::<usize>()
-                    >= least
-            };
-            (0..width)
-                .filter(asks)
-                .filter(answered)
-                .map(move |x| (y, x))
-        })
-        .collect();
-    let residuals: Vec<f32> = filled
-        .iter()
-        .map(|&(y, x)| {
-            let places = around(y, height).flat_map(|v| around(x, width).map(move |u| [v, u]));
-            let valid = places.filter(|&place| shifts.validity[place].is_valid());
-            let (count, sum) = valid.fold((0.0, 0.0), |(count, sum), place| {
-                (count + 1.0, sum + shifts.residual[place])
-            });
-            sum / count
-        })
-        .collect();
-    for (place, residual) in filled.into_iter().zip(residuals) {
-        shifts.validity[place] = Validity::Valid;
-        shifts.residual[place] = residual;
+        },
+    );
+    shifts.validity = filled;
+    shifts.residual = residuals;
+}
+
+/// What the rows about one of them hold, column by column, with nothing beyond either end.
+struct Columns {
+    /// How many of each column are valid.
+    counts: Vec<u8>,
+    /// The sum of what these leave unexplained.
+    sums: Vec<f32>,
+    /// How many of the window around each pixel are valid.
+    windows: Vec<u8>,
+}
+
+impl Columns {
+    fn new(width: usize) -> Self {
+        Self {
+            counts: vec![0; width + 2 * REACH],
+            sums: vec![0.0; width + 2 * REACH],
+            windows: vec![0; width],
+        }
+    }
+
+    fn clear(&mut self) {
+        self.counts.fill(0);
+        self.sums.fill(0.0);
+    }
+
+    fn add(&mut self, validity: &[Validity], residual: &[f32]) {
+        let counts = &mut self.counts[REACH..][..validity.len()];
+        for (count, validity) in counts.iter_mut().zip(validity) {
+            *count += u8::from(validity.is_valid());
+        }
+        let sums = &mut self.sums[REACH..][..validity.len()];
+        for ((sum, residual), validity) in sums.iter_mut().zip(residual).zip(validity) {
+            *sum += if validity.is_valid() { *residual } else { 0.0 };
+        }
+    }
+
+    fn count_windows(&mut self) {
+        self.windows.fill(0);
+        for offset in 0..=2 * REACH {
+            for (window, count) in self.windows.iter_mut().zip(&self.counts[offset..]) {
+                *window += count;
+            }
+        }
     }
 }
 
-/// The rows or columns that a window around one of them reaches, of `length`.
+/// The rows that a window around one of them reaches, of `length`.
 fn around(at: usize, length: usize) -> Range<usize> {
     at.saturating_sub(REACH)..(at + REACH + 1).min(length)
 }

@@ -1,10 +1,11 @@
 use ndarray::{Array2, ArrayView2};
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
+use v1_gabor::Size;
 
-use crate::MedianRadius;
 use crate::median_network::{median_of_9, median_of_25};
 use crate::vector::{store, vector};
+use crate::{MedianRadius, Validity};
 
 /// At least the lanes of the widest vector there is; rows are padded to whole vectors.
 const MOST_LANES: usize = 16;
@@ -14,46 +15,123 @@ const MOST_LANES: usize = 16;
 ///
 /// The median of an even number of values is the larger of the two in the middle.
 pub(crate) fn median_of_known(plane: ArrayView2<'_, f32>, radius: MedianRadius) -> Array2<f32> {
-    let reach = match radius {
-        MedianRadius::One => 1,
-        MedianRadius::Two => 2,
+    let mut padded = Padded::new(radius, Size::of_dim(plane.dim()));
+    padded.take_in(plane.to_slice().expect(CONTIGUOUS), None);
+    let mut filtered = Array2::zeros(plane.dim());
+    padded.filter(filtered.as_slice_mut().expect(CONTIGUOUS), false);
+    filtered
+}
+
+/// As many medians, one upon the other, of each plane's valid values, in place; what has no valid
+/// neighbour keeps its value.
+pub(crate) fn smooth_valid(
+    planes: [&mut Array2<f32>; 2],
+    validity: &Array2<Validity>,
+    times: usize,
+    radius: MedianRadius,
+) {
+    if times == 0 {
+        return;
+    }
+    let mut padded = Padded::new(radius, Size::of_dim(validity.dim()));
+    let mut between = if times > 1 {
+        vec![0.0; validity.len()]
+    } else {
+        Vec::new()
     };
-    let (height, width) = plane.dim();
-    let stride = width.next_multiple_of(MOST_LANES) + 2 * reach;
-    let mut padded = vec![f32::NAN; stride * (height + 2 * reach)];
-    // Whether some value of so many is unknown, row by row. Most windows have none, and
-    // nothing is replaced there.
-    let blocks = stride.div_ceil(MOST_LANES);
-    let mut unknown = vec![true; blocks * (height + 2 * reach)];
-    for ((row, padded), unknown) in plane
-        .rows()
-        .into_iter()
-        .zip(padded.chunks_mut(stride).skip(reach))
-        .zip(unknown.chunks_mut(blocks).skip(reach))
-    {
-        let row = row.to_slice().expect("planes are made in row-major order");
-        padded[reach..reach + width].copy_from_slice(row);
-        for (block, unknown) in padded.chunks(MOST_LANES).zip(unknown) {
-            *unknown = block.iter().fold(false, |any, value| any | value.is_nan());
+    let validity = validity.as_slice().expect(CONTIGUOUS);
+    for plane in planes {
+        let plane = plane.as_slice_mut().expect(CONTIGUOUS);
+        padded.take_in(plane, Some(validity));
+        for _ in 1..times {
+            padded.filter(&mut between, false);
+            padded.take_in(&between, None);
+        }
+        padded.filter(plane, true);
+    }
+}
+
+const CONTIGUOUS: &str = "planes are made in row-major order";
+
+/// A plane among unknown values, so that every window is whole.
+#[derive(Debug)]
+struct Padded {
+    radius: MedianRadius,
+    size: Size,
+    reach: usize,
+    /// Numbers to a row.
+    stride: usize,
+    numbers: Vec<f32>,
+    /// Blocks of [`MOST_LANES`] numbers to a row.
+    blocks: usize,
+    /// Whether some value of each block is unknown. Most windows have none, and nothing is replaced
+    /// there.
+    unknown: Vec<bool>,
+}
+
+impl Padded {
+    fn new(radius: MedianRadius, size: Size) -> Self {
+        let reach = match radius {
+            MedianRadius::One => 1,
+            MedianRadius::Two => 2,
+        };
+        let stride = size.width.next_multiple_of(MOST_LANES) + 2 * reach;
+        let blocks = stride.div_ceil(MOST_LANES);
+        let rows = size.height + 2 * reach;
+        Self {
+            radius,
+            size,
+            reach,
+            stride,
+            numbers: vec![f32::NAN; stride * rows],
+            blocks,
+            unknown: vec![true; blocks * rows],
         }
     }
-    let mut filtered = Array2::zeros((height, width));
-    filtered
-        .as_slice_mut()
-        .expect("a fresh array is contiguous")
-        .par_chunks_mut(width)
-        .enumerate()
-        .for_each(|(y, out)| {
-            Arch::new().dispatch(Row {
-                rows: &padded[y * stride..],
-                stride,
-                unknown: &unknown[y * blocks..],
-                blocks,
-                radius,
-                out,
+
+    /// Copies a plane; only what is valid, if validities are given.
+    fn take_in(&mut self, plane: &[f32], validity: Option<&[Validity]>) {
+        let (reach, width) = (self.reach, self.size.width);
+        self.numbers
+            .par_chunks_mut(self.stride)
+            .skip(reach)
+            .zip(self.unknown.par_chunks_mut(self.blocks).skip(reach))
+            .zip(plane.par_chunks(width))
+            .enumerate()
+            .for_each(|(y, ((numbers, unknown), row))| {
+                let inner = &mut numbers[reach..reach + width];
+                match validity {
+                    None => inner.copy_from_slice(row),
+                    Some(validity) => {
+                        let validity = &validity[y * width..][..width];
+                        for ((out, &value), validity) in inner.iter_mut().zip(row).zip(validity) {
+                            *out = if validity.is_valid() { value } else { f32::NAN };
+                        }
+                    }
+                }
+                for (block, unknown) in numbers.chunks(MOST_LANES).zip(unknown) {
+                    *unknown = block.iter().fold(false, |any, value| any | value.is_nan());
+                }
             });
-        });
-    filtered
+    }
+
+    /// The median around each pixel. Where nothing is known `out` becomes unknown, or keeps its
+    /// value.
+    fn filter(&self, out: &mut [f32], keep: bool) {
+        out.par_chunks_mut(self.size.width)
+            .enumerate()
+            .for_each(|(y, out)| {
+                Arch::new().dispatch(Row {
+                    rows: &self.numbers[y * self.stride..],
+                    stride: self.stride,
+                    unknown: &self.unknown[y * self.blocks..],
+                    blocks: self.blocks,
+                    radius: self.radius,
+                    keep,
+                    out,
+                });
+            });
+    }
 }
 
 /// The medians of one row, several pixels side by side in a vector.
@@ -66,6 +144,8 @@ struct Row<'a> {
     /// How many of them there are to a row.
     blocks: usize,
     radius: MedianRadius,
+    /// Whether values stay where nothing is known.
+    keep: bool,
     out: &'a mut [f32],
 }
 
@@ -123,7 +203,18 @@ impl WithSimd for Row<'_> {
                 }
                 MedianRadius::Two => median_of_25(simd, self.window::<S, 5, 25>(simd, corner)),
             };
-            if out.len() == S::F32_LANES {
+            let whole = out.len() == S::F32_LANES;
+            let medians = if self.keep {
+                let kept = if whole {
+                    vector(simd, out, 0)
+                } else {
+                    simd.partial_load_f32s(out)
+                };
+                simd.select_f32s(simd.equal_f32s(medians, medians), medians, kept)
+            } else {
+                medians
+            };
+            if whole {
                 store(simd, out, 0, medians);
             } else {
                 simd.partial_store_f32s(out, medians);

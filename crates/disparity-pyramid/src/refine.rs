@@ -1,4 +1,4 @@
-use ndarray::{Array2, Zip};
+use ndarray::Array2;
 use pulp::{Arch, NullaryFnOnce, Scalar};
 use rayon::prelude::*;
 use v1_gabor::{Responses, WaveVector};
@@ -190,14 +190,5 @@ impl<R: Reader> NullaryFnOnce for Compiled<'_, R> {
 fn add(shifts: &mut [f32], steps: &[f32; TILE], verdicts: &[Validity; TILE]) {
     for ((shift, step), verdict) in shifts.iter_mut().zip(steps).zip(verdicts) {
         *shift += if verdict.is_valid() { *step } else { 0.0 };
-    }
-}
-
-impl Shifts {
-    /// The shifts known at this scale: NaN where no answer was found.
-    pub(crate) fn known(&self, plane: &Array2<f32>) -> Array2<f32> {
-        Zip::from(plane)
-            .and(&self.validity)
-            .map_collect(|&shift, validity| if validity.is_valid() { shift } else { f32::NAN })
     }
 }
