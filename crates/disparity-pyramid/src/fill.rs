@@ -25,6 +25,20 @@ pub(crate) fn fill(shifts: &mut Shifts, least: Option<usize>) {
     let (height, width) = shifts.dx.dim();
     let validity = shifts.validity.as_slice().expect(CONTIGUOUS);
     let residual = shifts.residual.as_slice().expect(CONTIGUOUS);
+    // One for what is valid and what it leaves unexplained, nothing for the rest: sums of these need no
+    // choice.
+    let (mut ones, mut heard) = (vec![0u8; validity.len()], vec![0.0f32; validity.len()]);
+    ones.par_chunks_mut(width)
+        .zip(heard.par_chunks_mut(width))
+        .zip(validity.par_chunks(width).zip(residual.par_chunks(width)))
+        .for_each(|((ones, heard), (validity, residual))| {
+            for (one, validity) in ones.iter_mut().zip(validity) {
+                *one = u8::from(validity.is_valid());
+            }
+            for ((heard, residual), validity) in heard.iter_mut().zip(residual).zip(validity) {
+                *heard = if validity.is_valid() { *residual } else { 0.0 };
+            }
+        });
     let (mut filled, mut residuals) = (shifts.validity.clone(), shifts.residual.clone());
     let rows = filled
         .as_slice_mut()
@@ -40,7 +54,7 @@ pub(crate) fn fill(shifts: &mut Shifts, least: Option<usize>) {
             columns.clear();
             for row in around(y, height) {
                 let row = row * width..(row + 1) * width;
-                columns.add(&validity[row.clone()], &residual[row]);
+                columns.add(&ones[row.clone()], &heard[row]);
             }
             columns.count_windows();
             for x in 0..width {
@@ -81,14 +95,12 @@ impl Columns {
         self.sums.fill(0.0);
     }
 
-    fn add(&mut self, validity: &[Validity], residual: &[f32]) {
-        let counts = &mut self.counts[REACH..][..validity.len()];
-        for (count, validity) in counts.iter_mut().zip(validity) {
-            *count += u8::from(validity.is_valid());
+    fn add(&mut self, ones: &[u8], heard: &[f32]) {
+        for (count, one) in self.counts[REACH..].iter_mut().zip(ones) {
+            *count += one;
         }
-        let sums = &mut self.sums[REACH..][..validity.len()];
-        for ((sum, residual), validity) in sums.iter_mut().zip(residual).zip(validity) {
-            *sum += if validity.is_valid() { *residual } else { 0.0 };
+        for (sum, heard) in self.sums[REACH..].iter_mut().zip(heard) {
+            *sum += heard;
         }
     }
 
