@@ -10,10 +10,13 @@
 mod ablation;
 mod alteration;
 mod bank_pictures;
+mod bench;
+mod bench_page;
 mod bounds;
 mod calculus_pictures;
 mod calculus_results;
 mod check_soundness;
+mod clocked;
 mod compare_opencv;
 mod comparison;
 mod continuous;
@@ -43,6 +46,7 @@ mod marks;
 mod masks;
 mod metrics;
 mod opencv;
+mod opencv_clock;
 mod opencv_peer;
 mod phase_statistics;
 mod point_errors;
@@ -87,6 +91,7 @@ struct Tasks {
 #[derive(Debug, Subcommand)]
 enum Task {
     BankPictures(bank_pictures::Options),
+    Bench(bench::Options),
     EvalFlow(eval_flow::Options),
     EvalMiddlebury(eval_middlebury::Options),
     CheckSoundness(check_soundness::Options),
@@ -104,6 +109,7 @@ enum Task {
 fn main() -> ExitCode {
     let Tasks { task } = Tasks::parse();
     let done = match task {
+        Task::Bench(options) => bench::run(&options),
         Task::BankPictures(options) => bank_pictures::run(&options),
         Task::EvalFlow(options) => eval_flow::run(&options),
         Task::EvalMiddlebury(options) => eval_middlebury::run(&options),

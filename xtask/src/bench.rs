@@ -1,0 +1,404 @@
+use std::collections::BTreeMap;
+use std::hint::black_box;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use anyhow::Context;
+use clap::Args;
+use disparity_pyramid::{DenseMatcher, DenseParams, EyeView, MatchParams, SearchRange, estimate};
+use indicatif::ProgressBar;
+use serde::Serialize;
+use stereo_scenes::{Exposure, Room, render};
+use v1_gabor::{BankWorkspace, Binocular, FilterBank, GaborParams, LumaImage, Size, V1Responses};
+
+use crate::bench_page::bench_page;
+use crate::clocked::{Clocked, clocked};
+use crate::date;
+use crate::docs_folder::docs_folder;
+use crate::eval_middlebury::{progress, write_file};
+use crate::machine::Machine;
+use crate::opencv_clock::{MATCHERS, OpencvClock};
+use crate::python_environment;
+
+/// Disparities that the dense estimators search, ours and others.
+const SHIFTS: usize = 128;
+
+/// Time the levels on a rendered pair, with OpenCV's matchers in turn
+///
+/// Renders the project's own room at each size and runs every contestant once a round, so that what
+/// else the machine does meets all of them alike; the medians of the rounds stand. A contestant's time
+/// goes from the images to the field: for the vector pyramid with both banks. With --peers OpenCV's
+/// SGBM, its three-way mode, BM (all with 128 disparities) and DIS run in the same rounds, in a
+/// Python of their own (see compare-opencv). Writes docs/performance.md if all sizes run with --peers.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  cargo xtask bench
+  cargo xtask bench --size 1024x768 --peers --json out/bench.json
+  cargo xtask bench --size 640x480 --threads 2 --rounds 21")]
+pub(crate) struct Options {
+    /// Size of the images; may be given more than once. Without it 384x288, 640x480, 1024x768 and
+    /// 1920x1080
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    size: Vec<Size>,
+    /// Rounds, each with one run of every contestant
+    #[arg(long, value_name = "N", default_value_t = 7, value_parser = clap::value_parser!(u16).range(1..))]
+    rounds: u16,
+    /// Threads of every contestant
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
+    threads: u16,
+    /// Run OpenCV's matchers too
+    #[arg(long)]
+    peers: bool,
+    /// A Python that has numpy and OpenCV already; nothing is installed then
+    #[arg(long, value_name = "PATH", requires = "peers")]
+    python: Option<PathBuf>,
+    /// Write every number to this file, as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+/// What was measured.
+#[derive(Debug, Serialize)]
+pub(crate) struct Report {
+    schema: &'static str,
+    pub(crate) date: String,
+    pub(crate) machine: Machine,
+    pub(crate) command: String,
+    pub(crate) threads: u16,
+    pub(crate) rounds: u16,
+    /// OpenCV's version, if it ran.
+    pub(crate) opencv: Option<String>,
+    pub(crate) sizes: Vec<AtSize>,
+    /// How many times faster than OpenCV's SGBM, by CPU medians, at the size that comes nearest to
+    /// 1024 x 768; empty without peers.
+    pub(crate) ratios: BTreeMap<&'static str, f64>,
+}
+
+/// The contestants at one size.
+#[derive(Debug, Serialize)]
+pub(crate) struct AtSize {
+    pub(crate) width: usize,
+    pub(crate) height: usize,
+    pub(crate) contestants: Vec<Contestant>,
+}
+
+/// One contestant's medians.
+#[derive(Debug, Serialize)]
+pub(crate) struct Contestant {
+    pub(crate) name: &'static str,
+    pub(crate) cpu_ms: f64,
+    pub(crate) least_cpu_ms: f64,
+    pub(crate) wall_ms: f64,
+    pub(crate) cpu_ns_a_pixel: f64,
+}
+
+/// Ours, and what they are called.
+const RESPONSES: &str = "responses of both eyes";
+const VECTOR: &str = "vector pyramid";
+const NO_LOOK_BACK: &str = "vector pyramid, no look back";
+const ONE_WARP: &str = "vector pyramid, one warp";
+const DENSE_FAST: &str = "dense, fast";
+
+const OURS: [&str; 5] = [RESPONSES, VECTOR, NO_LOOK_BACK, ONE_WARP, DENSE_FAST];
+
+/// Runs the task.
+pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
+    let all = options.size.is_empty();
+    let sizes = if all {
+        let sizes = [(384, 288), (640, 480), (1024, 768), (1920, 1080)];
+        sizes.map(|(width, height)| Size { width, height }).to_vec()
+    } else {
+        options.size.clone()
+    };
+    let python = match (&options.python, options.peers) {
+        (_, false) => None,
+        (Some(python), true) => Some(python.clone()),
+        (None, true) => {
+            let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent();
+            let root = root.context("the task stands in the repository")?;
+            Some(python_environment::ready(&root.join("target"))?)
+        }
+    };
+    let mut report = Report {
+        schema: "dorsal-bench-1",
+        date: date::today(),
+        machine: Machine::this(),
+        command: command(options),
+        threads: options.threads,
+        rounds: options.rounds,
+        opencv: None,
+        sizes: Vec::new(),
+        ratios: BTreeMap::new(),
+    };
+    let bar = progress(false);
+    bar.set_length(sizes.len() as u64 * u64::from(options.rounds));
+    for &size in &sizes {
+        let (at_size, version) = at_size(size, python.as_deref(), options, &bar)?;
+        report.sizes.push(at_size);
+        report.opencv = version;
+    }
+    bar.finish_and_clear();
+    report.ratios = ratios(&report.sizes);
+    println!("{}", bench_page(&report));
+    if let Some(path) = &options.json {
+        write_file(path, &serde_json::to_vec_pretty(&report)?)?;
+    }
+    if all
+        && options.peers
+        && let Some(docs) = docs_folder()
+    {
+        write_file(&docs.join("performance.md"), bench_page(&report).as_bytes())?;
+    }
+    Ok(())
+}
+
+fn at_size(
+    size: Size,
+    python: Option<&Path>,
+    options: &Options,
+    bar: &ProgressBar,
+) -> anyhow::Result<(AtSize, Option<String>)> {
+    let room = Room::demo();
+    let gaze = room.head().resized(size).fixate(room.fixation_m())?;
+    let images = render(&room, &gaze, Exposure::default())?.images;
+    let folder = tempfile::tempdir().context("there is no room for the pictures")?;
+    let mut peers = match python {
+        None => None,
+        Some(python) => {
+            let paths = write_pair(&images, folder.path())?;
+            let threads = usize::from(options.threads);
+            let pair = (&*paths.left, &*paths.right);
+            Some(OpencvClock::start(python, pair, SHIFTS, threads)?)
+        }
+    };
+    let threads = rayon::ThreadPoolBuilder::new()
+        .num_threads(usize::from(options.threads))
+        .build()?;
+    let mut ours = threads.install(|| Ours::plan(images))?;
+    let mut runs: Vec<(&'static str, Vec<Clocked>)> = OURS.map(|name| (name, Vec::new())).to_vec();
+    if peers.is_some() {
+        runs.extend(MATCHERS.map(|name| (name, Vec::new())));
+    }
+    // The first round fills buffers and caches and does not count.
+    for round in 0..=options.rounds {
+        for (name, runs) in &mut runs {
+            let took = match &mut peers {
+                Some(peers) if MATCHERS.contains(name) => peers.run(name)?,
+                _ => {
+                    let (done, took) = clocked(|| threads.install(|| ours.run(name)));
+                    done?;
+                    took
+                }
+            };
+            if round > 0 {
+                runs.push(took);
+            }
+        }
+        if round > 0 {
+            bar.inc(1);
+        }
+    }
+    let contestants = runs
+        .into_iter()
+        .map(|(name, runs)| Contestant::new(name, &runs, size));
+    let at_size = AtSize {
+        width: size.width,
+        height: size.height,
+        contestants: contestants.collect(),
+    };
+    Ok((at_size, peers.map(|peers| peers.version.clone())))
+}
+
+/// What runs of ours need, planned once as for a stream of frames.
+struct Ours {
+    images: Binocular<LumaImage>,
+    bank: FilterBank,
+    workspace: BankWorkspace,
+    responses: Binocular<V1Responses>,
+    matcher: DenseMatcher,
+    search: SearchRange,
+}
+
+impl Ours {
+    fn plan(images: Binocular<LumaImage>) -> anyhow::Result<Self> {
+        let size = images.left.size();
+        let bank = FilterBank::plan(GaborParams::default().fitted_to(size), size)?;
+        Ok(Self {
+            workspace: bank.workspace(),
+            responses: Binocular {
+                left: bank.silence(),
+                right: bank.silence(),
+            },
+            bank,
+            matcher: DenseMatcher::plan(DenseParams::fast(), size)?,
+            search: SearchRange::new(1 - SHIFTS as i32, 0)?,
+            images,
+        })
+    }
+
+    /// One run of the contestant of this name.
+    fn run(&mut self, name: &str) -> anyhow::Result<()> {
+        let params = MatchParams::default();
+        match name {
+            RESPONSES => self.respond(),
+            VECTOR => self.look(params),
+            NO_LOOK_BACK => self.look(MatchParams {
+                left_right_px: None,
+                ..params
+            }),
+            ONE_WARP => self.look(MatchParams {
+                warps: 1,
+                finest_warps: 1,
+                ..params
+            }),
+            _ => {
+                let views = self.images.as_ref().map(|luma| EyeView { luma, rgb: None });
+                black_box(self.matcher.estimate(&views, self.search)?);
+                Ok(())
+            }
+        }
+    }
+
+    fn respond(&mut self) -> anyhow::Result<()> {
+        let Self {
+            images,
+            bank,
+            workspace,
+            responses,
+            ..
+        } = self;
+        bank.respond_into(&images.left, workspace, &mut responses.left)?;
+        bank.respond_into(&images.right, workspace, &mut responses.right)?;
+        Ok(())
+    }
+
+    fn look(&mut self, params: MatchParams) -> anyhow::Result<()> {
+        self.respond()?;
+        black_box(estimate(&self.responses, params)?);
+        Ok(())
+    }
+}
+
+impl Contestant {
+    fn new(name: &'static str, runs: &[Clocked], size: Size) -> Self {
+        let sorted = |of: fn(&Clocked) -> Duration| {
+            let mut times: Vec<f64> = runs.iter().map(|run| of(run).as_secs_f64() * 1e3).collect();
+            times.sort_by(f64::total_cmp);
+            times
+        };
+        let (cpu, wall) = (sorted(|run| run.cpu), sorted(|run| run.wall));
+        let middle = runs.len() / 2;
+        Self {
+            name,
+            cpu_ms: cpu[middle],
+            least_cpu_ms: cpu[0],
+            wall_ms: wall[middle],
+            cpu_ns_a_pixel: cpu[middle] * 1e6 / size.area() as f64,
+        }
+    }
+}
+
+/// Both pictures as files that OpenCV reads.
+fn write_pair(images: &Binocular<LumaImage>, folder: &Path) -> anyhow::Result<Binocular<PathBuf>> {
+    let write = |image: &LumaImage, name: &str| -> anyhow::Result<PathBuf> {
+        let Size { width, height } = image.size();
+        let grey = image.plane().mapv(|luma| (255.0 * luma).round() as u8);
+        let path = folder.join(name);
+        let mut bytes = format!("P5\n{width} {height}\n255\n").into_bytes();
+        bytes.extend(grey.iter());
+        write_file(&path, &bytes)?;
+        Ok(path)
+    };
+    Ok(Binocular {
+        left: write(&images.left, "left.pgm")?,
+        right: write(&images.right, "right.pgm")?,
+    })
+}
+
+/// How many times faster than SGBM ours are.
+fn ratios(sizes: &[AtSize]) -> BTreeMap<&'static str, f64> {
+    let nearest = sizes.iter().min_by_key(|at| {
+        let area = at.width * at.height;
+        area.abs_diff(1024 * 768)
+    });
+    let cpu = |name: &str| {
+        let found = nearest?.contestants.iter().find(|one| one.name == name)?;
+        Some(found.cpu_ms)
+    };
+    let names = [
+        ("vector_vs_sgbm", VECTOR),
+        ("vector_no_look_back_vs_sgbm", NO_LOOK_BACK),
+        ("vector_one_warp_vs_sgbm", ONE_WARP),
+        ("dense_fast_vs_sgbm", DENSE_FAST),
+    ];
+    let ratio = |(key, name)| Some((key, cpu("SGBM")? / cpu(name)?));
+    names.into_iter().filter_map(ratio).collect()
+}
+
+/// The command that measures the same again.
+fn command(options: &Options) -> String {
+    let mut command = "cargo xtask bench".to_owned();
+    for size in &options.size {
+        command += &format!(" --size {}x{}", size.width, size.height);
+    }
+    if options.peers {
+        command += " --peers";
+    }
+    command + &format!(" --threads {} --rounds {}", options.threads, options.rounds)
+}
+
+/// A size as the command line gives it.
+fn size(text: &str) -> Result<Size, String> {
+    let wrong = || format!("{text:?} is no size; write width x height, such as 1024x768");
+    let (width, height) = text.split_once('x').ok_or_else(wrong)?;
+    let number = |text: &str| {
+        text.parse::<usize>()
+            .ok()
+            .filter(|n| (32..=8192).contains(n))
+    };
+    match (number(width), number(height)) {
+        (Some(width), Some(height)) => Ok(Size { width, height }),
+        _ => Err(format!("{}; each from 32 to 8192", wrong())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_read_and_refused() {
+        assert_eq!(
+            size("1024x768"),
+            Ok(Size {
+                width: 1024,
+                height: 768
+            })
+        );
+        for wrong in ["", "1024", "1024x", "x768", "0x768", "1024x-1", "9000x768"] {
+            assert!(size(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    /// Ours run, each a round, and no ratio is claimed without a peer.
+    #[test]
+    fn a_small_bench_runs() {
+        let options = Options {
+            size: Vec::new(),
+            rounds: 1,
+            threads: 1,
+            peers: false,
+            python: None,
+            json: None,
+        };
+        let size = Size {
+            width: 160,
+            height: 120,
+        };
+        let (at_size, version) = at_size(size, None, &options, &ProgressBar::hidden()).unwrap();
+        assert_eq!(at_size.contestants.len(), OURS.len());
+        assert!(at_size.contestants.iter().all(|one| one.wall_ms > 0.0));
+        assert!(version.is_none() && ratios(&[at_size]).is_empty());
+    }
+}
