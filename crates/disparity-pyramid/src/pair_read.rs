@@ -252,3 +252,91 @@ fn turned(v4: V4, pairs: [Vector; HALF]) -> [Vector; ORIENTATIONS] {
     }
     columns
 }
+
+#[cfg(test)]
+mod tests {
+    use ndarray::Array2;
+    use proptest::prelude::*;
+    use pulp::{NullaryFnOnce, Scalar};
+    use v1_gabor::{FilterBank, GaborParams, LumaImage, Size};
+
+    use super::*;
+    use crate::tile::ByPixel;
+
+    struct Read<'a, R> {
+        reader: R,
+        left: &'a [f32],
+        warp: &'a Warp<'a>,
+        at: (usize, usize),
+        shifts: (&'a [f32; TILE], &'a [f32; TILE]),
+    }
+
+    impl<R: Reader> NullaryFnOnce for Read<'_, R> {
+        type Output = Tile;
+
+        #[inline(always)]
+        fn call(self) -> Tile {
+            let mut tile = Tile::new();
+            let eyes = (self.left, self.warp);
+            self.reader
+                .read(&mut tile, eyes, self.at, self.shifts, 1e-9);
+            tile
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+
+        /// Both ways to read see the same phases and weights, at the image's border, outside it, and
+        /// at the end of a row too. On a machine without AVX-512 there is but one.
+        #[test]
+        fn pairs_read_what_single_pixels_do(
+            start in 0usize..5, y in 0usize..20, seed: u64,
+            dx in prop::array::uniform16(-30.0f32..30.0), dy in prop::array::uniform16(-5.0f32..5.0),
+        ) {
+            let Some(v4) = V4::try_new() else {
+                return Ok(());
+            };
+            let size = Size { width: 70, height: 20 };
+            let params = GaborParams { scales: 1, ..GaborParams::default() };
+            let bank = FilterBank::plan(params, size).unwrap();
+            let mut state = seed | 1;
+            let mut see = || {
+                let plane = Array2::from_shape_simple_fn(size.dim(), || {
+                    state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+                    (state >> 40) as f32 / (1u64 << 24) as f32
+                });
+                bank.respond(&LumaImage::new(plane).unwrap()).unwrap()
+            };
+            let (left, right) = (see(), see());
+            let warp = Warp::new(&right.scales()[0], &params.wave_vectors());
+            let start = start * TILE;
+            let mut dx = dx;
+            // The last tile of a row has fewer pixels, and whole numbers are places too.
+            for i in 0..TILE {
+                if start + i >= size.width {
+                    dx[i] = f32::NAN;
+                } else if i % 5 == 0 {
+                    dx[i] = dx[i].round();
+                }
+            }
+            let left = &left.scales()[0].samples()[(y * size.width + start) * PARTS..];
+            let shifts = (&dx, &dy);
+            let (warp, at) = (&warp, (start, y));
+            let pairs = v4.vectorize(Read { reader: ByPair(v4), left, warp, at, shifts });
+            let reader = ByPixel::<8, _>(Scalar, 8);
+            let singles = Read { reader, left, warp, at, shifts }.call();
+            prop_assert_eq!(pairs.in_view, singles.in_view);
+            for i in (0..TILE).filter(|&i| singles.in_view[i]) {
+                for q in 0..ORIENTATIONS {
+                    // Responses near 0.1 differ in their last bits, weak ones by more of themselves.
+                    let weight = singles.weight[q][i];
+                    prop_assert!((pairs.weight[q][i] - weight).abs() < 1e-3);
+                    let turns = (pairs.phase[q][i] - singles.phase[q][i]) / std::f32::consts::TAU;
+                    let apart = (turns - turns.round()).abs() * std::f32::consts::TAU;
+                    prop_assert!(apart * weight < 1e-3, "{apart} rad, weight {weight}");
+                }
+            }
+        }
+    }
+}
