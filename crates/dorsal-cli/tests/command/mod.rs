@@ -48,8 +48,13 @@ pub(crate) struct Pair {
 
 impl Pair {
     pub(crate) fn new() -> Self {
+        Self::shifted(D)
+    }
+
+    /// The same wall of another disparity.
+    pub(crate) fn shifted(d: f32) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
-        for (name, shift) in [("left.png", 0.0), ("right.png", D)] {
+        for (name, shift) in [("left.png", 0.0), ("right.png", d)] {
             let plane = Array2::from_shape_fn((HEIGHT, WIDTH), |(y, x)| {
                 0.5 + 0.1 * texture(x as f32 + shift, y as f32)
             });
