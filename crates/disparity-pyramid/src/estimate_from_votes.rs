@@ -9,7 +9,7 @@ pub struct FromVotes {
     /// The vector disparity of every pixel of the left image.
     pub field: DisparityField,
     /// The starts that the coarse look found, by the number of their votes; none if hardly anything
-    /// voted, and the search began at [`MatchParams::zero_disparity_px`].
+    /// voted or none was needed, and the search began at [`MatchParams::zero_disparity_px`].
     pub starts: Vec<Start>,
     /// Scales of the pyramid that were searched.
     pub scales: usize,
@@ -25,7 +25,9 @@ const NEAR_SCALES: usize = 5;
 /// them all, else up to six. From each the pyramid is run over no more scales than it takes
 /// ([`estimate`](crate::estimate)), and of the fields [`most_consistent`] takes at each place the one
 /// that both eyes can agree upon. `eyes` should hold all scales that their size allows
-/// ([`GaborParams::most_scales`]): the coarse look reads those of less than a hundred pixels.
+/// ([`GaborParams::most_scales`]): the coarse look reads those of less than a hundred pixels. Along
+/// rows only ([`MatchParams::rows_only`]) every start has the vertical shift of
+/// [`MatchParams::zero_disparity_px`].
 ///
 /// # Errors
 /// [`Mismatch`] as `estimate`.
@@ -43,7 +45,7 @@ pub fn estimate_from_votes(
         };
         Ok((estimate_over(eyes, params, scales)?, scales))
     };
-    let starts = CoarseVotes::count(eyes).map_or_else(Vec::new, |votes| {
+    let mut starts = CoarseVotes::count(eyes).map_or_else(Vec::new, |votes| {
         let middle = votes.middle();
         if middle.scales() <= NEAR_SCALES {
             vec![middle]
@@ -51,6 +53,13 @@ pub fn estimate_from_votes(
             votes.starts()
         }
     });
+    if params.rows_only {
+        for start in &mut starts {
+            start.shift_px.1 = params.zero_disparity_px.1;
+        }
+        // Starts that differed along y alone are now one.
+        starts.dedup_by_key(|start| start.shift_px);
+    }
     let found = starts.iter().map(|&start| from(Some(start)));
     let found = found.collect::<Result<Vec<_>, _>>()?;
     let (fields, scales): (Vec<_>, Vec<_>) = found.into_iter().unzip();

@@ -48,7 +48,7 @@
 //! started is occluded or inconsistent. [`MatchParams::as_published`] takes the paper's steps alone.
 //!
 //! Where nothing is known of the range, [`estimate_from_votes`] finds where to start, and how many
-//! scales it takes.
+//! scales it takes; [`estimate_near_first`] asks it only if a search from zero misses the scene.
 //!
 //! [`estimate_monogenic`] takes the same steps over responses that know one orientation a pixel
 //! ([`v1_gabor::MonogenicResponses`]), with fits over neighbourhoods in place of orientations.
@@ -59,6 +59,7 @@ mod disparity_field;
 mod estimate;
 mod estimate_from_votes;
 mod estimate_monogenic;
+mod estimate_near_first;
 mod estimate_population;
 mod expand;
 mod fill;
@@ -91,6 +92,7 @@ pub use disparity_field::{Disparity, DisparityField, NotAField};
 pub use estimate::{Mismatch, estimate};
 pub use estimate_from_votes::{FromVotes, estimate_from_votes};
 pub use estimate_monogenic::estimate_monogenic;
+pub use estimate_near_first::estimate_near_first;
 pub use estimate_population::estimate_population;
 pub use match_params::{MatchParams, MedianRadius};
 pub use most_consistent::most_consistent;

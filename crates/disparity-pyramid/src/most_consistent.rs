@@ -27,7 +27,8 @@ const SILENCE: f32 = 1e-9;
 /// rival on either line of sight: another shift of the same left block, or another that leads to the
 /// same right block. An outline has no rival; what it claims frees the next period, and so inwards.
 ///
-/// Among the fields chosen in a block and those beside it, a pixel takes the most confident.
+/// Among the fields chosen in a block and those beside it, a pixel takes the most confident. The
+/// covariances come along if all fields have them.
 #[must_use]
 pub fn most_consistent(fields: &[DisparityField]) -> Option<DisparityField> {
     let size = fields.first()?.size();
@@ -59,12 +60,16 @@ pub fn most_consistent(fields: &[DisparityField]) -> Option<DisparityField> {
     let validity = Array2::from_shape_fn(size.dim(), |pixel| {
         fields[field_of[pixel]].validity()[pixel]
     });
-    Some(DisparityField::trusted(
+    let covariances: Option<Vec<_>> = fields.iter().map(DisparityField::covariance).collect();
+    let covariance =
+        covariances.map(|of| Array2::from_shape_fn(size.dim(), |pixel| of[field_of[pixel]][pixel]));
+    let field = DisparityField::trusted(
         of(DisparityField::dx),
         of(DisparityField::dy),
         of(DisparityField::confidence),
         validity,
-    ))
+    );
+    Some(field.with_covariance(covariance))
 }
 
 /// Side of a block in pixels: the smallest power of two that leaves no more than [`LONGEST_SIDE`].

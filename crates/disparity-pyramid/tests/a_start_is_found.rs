@@ -1,7 +1,7 @@
 //! Shifts far beyond the reach of any phase are found without a hint.
 mod texture;
 
-use disparity_pyramid::{MatchParams, Start, estimate, estimate_from_votes};
+use disparity_pyramid::{MatchParams, Start, estimate, estimate_from_votes, estimate_near_first};
 use proptest::prelude::*;
 use texture::{Texture, respond};
 use v1_gabor::Size;
@@ -58,9 +58,17 @@ fn board_and_wall_have_a_start_each() {
             }
         },
     );
-    let found = estimate_from_votes(&eyes, MatchParams::default()).expect("one bank");
+    let params = MatchParams {
+        covariance: true,
+        ..MatchParams::default()
+    };
+    let found = estimate_from_votes(&eyes, params).expect("one bank");
     assert!(found.starts.len() >= 2, "{:?}", found.starts);
     let field = found.field;
+    // Each pixel brings its own field's covariance along.
+    let known = |(x, y)| field.at(x, y)?.covariance.map(|c| c.sigma_dx());
+    let sigmas: Vec<f32> = (150..230).filter_map(|x| known((x, 100))).collect();
+    assert!(!sigmas.is_empty() && sigmas.iter().all(|sigma| sigma.is_finite()));
     for ((x, y), dx) in [
         ((190, 100), near_dx),
         ((60, 100), far_dx),
@@ -73,6 +81,40 @@ fn board_and_wall_have_a_start_each() {
             "({x}, {y}): {found:?}"
         );
     }
+}
+
+/// A near pair is searched from zero alone, to the same bits; a far one as without a hint; and along
+/// rows only no start leaves them.
+#[test]
+fn near_comes_first() {
+    let texture = Texture::new(11);
+    let shifted = |dx: f64, dy: f64| {
+        respond(
+            SIZE,
+            |x, y| texture.at(x, y),
+            |x, y| texture.at(x - dx, y - dy),
+        )
+    };
+    let near = shifted(-14.0, 0.0);
+    let found = estimate_near_first(&near, MatchParams::default()).expect("one bank");
+    assert!(found.starts.is_empty());
+    let from_zero = estimate(&near, MatchParams::default()).expect("one bank");
+    assert_eq!(found.scales, near.left.scales().len().min(6));
+    assert!(found.field == from_zero);
+
+    let far = shifted(-110.0, 6.0);
+    let found = estimate_near_first(&far, MatchParams::default()).expect("one bank");
+    assert!(!found.starts.is_empty());
+    let there = found.field.guess(215, 100);
+    assert!((there.dx + 110.0).abs() < 0.1 && (there.dy - 6.0).abs() < 0.1);
+
+    let along_rows = MatchParams {
+        rows_only: true,
+        ..MatchParams::default()
+    };
+    let found = estimate_from_votes(&far, along_rows).expect("one bank");
+    assert!(found.starts.iter().all(|start| start.shift_px.1 == 0.0));
+    assert!(found.field.dy().iter().all(|&dy| dy == 0.0));
 }
 
 /// A papered board far from zero before a textured wall: within the board every shift a period away

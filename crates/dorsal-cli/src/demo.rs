@@ -2,11 +2,11 @@ use std::io::Write;
 use std::path::Path;
 
 use anyhow::{Context as _, bail};
-use dorsal::Estimator;
 use dorsal::allocentric_qsr::{DepthReference, QualifyParams};
 use dorsal::disparity_pyramid::MatchParams;
 use dorsal::egocentric_depth::LocateParams;
 use dorsal::v1_gabor::GaborParams;
+use dorsal::{Estimator, Range};
 use stereo_formats::colour::ColourRange;
 use stereo_formats::{file_sign, label_png, names, pfm, picture, rig_toml};
 
@@ -83,7 +83,7 @@ fn show(
         "{} pixels, {:.1} % valid; {}",
         scene.eyes.left.size(),
         100.0 * sight.disparity.density(),
-        plan.reach_sentence().unwrap_or_default()
+        sight.searched.reach_sentence(&scene.rig)
     )?;
     writeln!(out, "{}\n", times.sentence())?;
     writeln!(out, "{}", verdict.comparison)?;
@@ -105,7 +105,7 @@ fn plan(scene: &DemoScene) -> anyhow::Result<Plan> {
         ..GaborParams::default()
     };
     Ok(Plan {
-        estimator: Estimator::Vector,
+        estimator: Estimator::Vector(Range::Given),
         gabor: gabor.fitted_to(scene.eyes.left.size()),
         matching: MatchParams {
             // A tenth of a pixel is as fine as anyone repeats by hand.

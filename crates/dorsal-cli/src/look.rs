@@ -5,7 +5,7 @@ use dorsal::allocentric_qsr::QualifyParams;
 use dorsal::disparity_pyramid::{DenseParams, MatchParams, SearchRange};
 use dorsal::egocentric_depth::{LocateParams, StereoRig};
 use dorsal::v1_gabor::{Binocular, GaborParams, Size};
-use dorsal::{DenseLook, Search};
+use dorsal::{DenseLook, Range, Search};
 use stereo_formats::{middlebury_calib, picture, rig_toml};
 
 use crate::console::Console;
@@ -38,19 +38,20 @@ pub(crate) fn look(arguments: &LookArguments, out: &mut dyn Write) -> anyhow::Re
         })
     })?;
     let plan = plan(arguments, eyes.left.size())?;
-    if plan.gabor.scales < arguments.scales {
+    if let Some(scales) = arguments.scales
+        && plan.gabor.scales < scales
+    {
         console.note(&format!(
-            "pictures of {} pixels carry {} scales, not {}",
+            "pictures of {} pixels carry {} scales, not {scales}",
             eyes.left.size(),
-            plan.gabor.scales,
-            arguments.scales
+            plan.gabor.scales
         ));
-    }
-    if let (dorsal::Estimator::Vector, Some(reach)) = (plan.estimator, plan.reach_sentence()) {
-        console.note(&reach);
     }
 
     let sight = plan.look(&eyes, &mut times, &console)?;
+    if let (dorsal::Estimator::Vector(_), Some(rig)) = (plan.estimator, &plan.rig) {
+        console.note(&sight.searched.reach_sentence(rig));
+    }
     let density = sight.disparity.density();
     if density < SPARSE {
         console.note(&format!(
@@ -74,6 +75,9 @@ pub(crate) fn look(arguments: &LookArguments, out: &mut dyn Write) -> anyhow::Re
     }
     writeln!(out, "size      {} pixels", eyes.left.size())?;
     writeln!(out, "valid     {:.1} %", 100.0 * density)?;
+    if arguments.estimator == Estimator::Vector {
+        writeln!(out, "search    {}", sight.searched.sentence())?;
+    }
     if let Some(median_px) = median_px {
         writeln!(out, "disparity {median_px:.2} px in the median")?;
     }
@@ -94,10 +98,13 @@ fn plan(arguments: &LookArguments, size: Size) -> anyhow::Result<Plan> {
         .as_deref()
         .map(|labels| Objects::read(labels, arguments.names.as_deref(), size))
         .transpose()?;
-    let gabor = GaborParams {
-        scales: arguments.scales,
-        ..GaborParams::default()
+    let gabor = GaborParams::default();
+    let scales = match arguments.range() {
+        Range::Given => arguments.scales.unwrap_or(gabor.scales),
+        // A coarse look reads the coarsest; the search takes no more than it needs.
+        Range::Auto | Range::Wide => gabor.most_scales(size),
     };
+    let gabor = GaborParams { scales, ..gabor };
     let steps = if arguments.published {
         MatchParams::as_published()
     } else {
@@ -109,7 +116,7 @@ fn plan(arguments: &LookArguments, size: Size) -> anyhow::Result<Plan> {
         matching: MatchParams {
             energy_threshold: arguments.energy_threshold.unwrap_or(steps.energy_threshold),
             // The command line speaks the sign of files.
-            zero_disparity_px: (0.0 - arguments.zero_disparity, 0.0),
+            zero_disparity_px: (0.0 - arguments.zero_disparity.unwrap_or(0.0), 0.0),
             rows_only: arguments.rows_only,
             singularity_tau: arguments.singularity_tau,
             // The look writes it.
@@ -127,7 +134,7 @@ fn plan(arguments: &LookArguments, size: Size) -> anyhow::Result<Plan> {
 /// The estimator that is asked for; the command line speaks the sign of files.
 fn estimator(arguments: &LookArguments) -> anyhow::Result<dorsal::Estimator> {
     if arguments.estimator == Estimator::Vector {
-        return Ok(dorsal::Estimator::Vector);
+        return Ok(dorsal::Estimator::Vector(arguments.range()));
     }
     let search = match (arguments.max_disparity, arguments.min_disparity) {
         (MostDisparity::Auto, least) => Search::Found {

@@ -1,7 +1,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use dorsal::v1_gabor::GaborParams;
+use dorsal::Range;
 
 use crate::threads::Threads;
 
@@ -65,19 +65,24 @@ pub(crate) struct LookArguments {
     #[arg(long, value_name = "SYSTEM", default_value = "robot-120")]
     pub(crate) system: String,
 
+    /// Where the vector pyramid searches, unless --scales or --zero-disparity says it
+    #[arg(long, value_enum, default_value = "auto", conflicts_with_all = ["scales", "zero_disparity", "published"])]
+    pub(crate) range: RangeChoice,
+
     /// Scales of the pyramid, fewer where the image is too small: N find shifts of up to
-    /// 0.75 * 2^N px
-    #[arg(long, value_name = "N", default_value_t = GaborParams::default().scales, value_parser = scales)]
-    pub(crate) scales: usize,
+    /// 0.75 * 2^N px from --zero-disparity [default: 6, or what --range finds]
+    #[arg(long, value_name = "N", value_parser = scales)]
+    pub(crate) scales: Option<usize>,
 
     /// Least energy an orientation needs to be heard; without it 1e-7, and the paper's 1e-6 with
     /// --published
     #[arg(long, value_name = "X", value_parser = energy)]
     pub(crate) energy_threshold: Option<f32>,
 
-    /// Disparity from which the search starts, x_left - x_right in pixels
-    #[arg(long, value_name = "PX", default_value_t = 0.0, value_parser = finite, allow_negative_numbers = true)]
-    pub(crate) zero_disparity: f32,
+    /// Disparity from which the search starts, x_left - x_right in pixels [default: 0, or what --range
+    /// finds]
+    #[arg(long, value_name = "PX", value_parser = finite, allow_negative_numbers = true)]
+    pub(crate) zero_disparity: Option<f32>,
 
     /// Match by the paper's own steps, without the robust fit and the look back
     #[arg(long)]
@@ -107,6 +112,18 @@ pub(crate) enum Estimator {
     Vector,
     /// A disparity at every pixel of a rectified pair, dx alone
     Dense,
+}
+
+/// Where the vector pyramid searches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum RangeChoice {
+    /// From 0 with 6 scales: up to 48 px
+    Near,
+    /// From 0 with 6 scales; if fewer than half of the pixels are valid then, as wide does
+    Auto,
+    /// Where a coarse look finds what is seen: for pairs far from 0, unrectified or large; it takes
+    /// one to ten times as long on top
+    Wide,
 }
 
 /// A parameter set of the dense estimator.
@@ -155,6 +172,7 @@ Examples:
   dorsal look left.png right.png --out out --published --rows-only
   dorsal look left.png right.png --out out --estimator dense --max-disparity 64
   dorsal look left.png right.png --out out --estimator dense --rectify auto
+  dorsal look left.png right.png --out out --range wide
   dorsal look left.png right.png --out out --rig rig.toml --scales 7 --zero-disparity 40
   dorsal look left.png right.png --out out --rig rig.toml --labels labels.png --names names.toml
 
@@ -166,6 +184,20 @@ A rig.toml reads:
   principal_point_px = [511.5, 383.5]";
 
 impl LookArguments {
+    /// Where the vector pyramid searches. What is said of it holds; the paper's steps begin at zero,
+    /// and so does what prepares the dense estimator.
+    pub(crate) fn range(&self) -> Range {
+        let said = self.scales.is_some() || self.zero_disparity.is_some();
+        if said || self.published || self.estimator == Estimator::Dense {
+            return Range::Given;
+        }
+        match self.range {
+            RangeChoice::Near => Range::Given,
+            RangeChoice::Auto => Range::Auto,
+            RangeChoice::Wide => Range::Wide,
+        }
+    }
+
     /// What no single argument has wrong, but two of them together.
     pub(crate) fn conflict(&self) -> Option<String> {
         if let (MostDisparity::Px(most), Some(least)) = (self.max_disparity, self.min_disparity)

@@ -8,6 +8,7 @@ use stereo_formats::file_sign;
 
 use crate::outputs::FileName;
 use crate::plan::Plan;
+use crate::searched::{Searched, StartRecord};
 use crate::sight::Sight;
 use crate::times::Times;
 
@@ -23,6 +24,7 @@ pub(crate) struct LookRecord {
     pub(crate) dense: bool,
     gabor: Filters,
     matching: Matching,
+    search: Search,
     /// How the dense estimator matched, if it did.
     #[serde(skip_serializing_if = "Option::is_none")]
     dense_matching: Option<DenseMatching>,
@@ -75,6 +77,15 @@ pub(crate) struct Matching {
     left_right_px: Option<f32>,
     rows_only: bool,
     singularity_tau: Option<f32>,
+}
+
+/// Where the vector pyramid searched: from each start over the finest scales of the bank.
+#[derive(Debug, Serialize)]
+struct Search {
+    /// Whether a coarse look chose them; `false` if they were given, or the defaults were.
+    found: bool,
+    starts: Vec<StartRecord>,
+    scales: usize,
 }
 
 #[derive(Debug, Serialize)]
@@ -134,13 +145,14 @@ impl LookRecord {
             width: field.size().width,
             height: field.size().height,
             estimator: match plan.estimator {
-                Estimator::Vector => "vector",
+                Estimator::Vector(_) => "vector",
                 Estimator::Dense(_) => "dense",
             },
             dense,
             dense_matching: DenseMatching::of(&plan.estimator),
             gabor: Filters::of(&plan.gabor),
             matching: Matching::of(&plan.matching),
+            search: Search::of(&sight.searched),
             reference: sight
                 .scene
                 .is_some()
@@ -148,10 +160,13 @@ impl LookRecord {
             density: field.density(),
             pixels: Counts::of(field),
             disparity_px: spread(field),
-            reach_m: plan.reach().map(|reach| Span {
-                nearest: reach.nearest_m,
-                farthest: Some(reach.farthest_m).filter(|farthest_m| farthest_m.is_finite()),
-            }),
+            reach_m: plan
+                .rig
+                .and_then(|rig| sight.searched.reach(&rig))
+                .map(|reach| Span {
+                    nearest: reach.nearest_m,
+                    farthest: Some(reach.farthest_m).filter(|farthest_m| farthest_m.is_finite()),
+                }),
             threads: rayon::current_num_threads(),
             time_ms: times.clone(),
             files: Vec::new(),
@@ -194,6 +209,16 @@ impl Matching {
             left_right_px: params.left_right_px,
             rows_only: params.rows_only,
             singularity_tau: params.singularity_tau,
+        }
+    }
+}
+
+impl Search {
+    fn of(searched: &Searched) -> Self {
+        Self {
+            found: searched.found,
+            starts: searched.starts.clone(),
+            scales: searched.scales,
         }
     }
 }

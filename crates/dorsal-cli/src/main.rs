@@ -37,6 +37,7 @@ mod relation_table;
 mod room;
 mod scene_file;
 mod scene_record;
+mod searched;
 mod sight;
 mod tables;
 mod tables_arguments;

@@ -1,13 +1,14 @@
 use anyhow::Context as _;
 use dorsal::allocentric_qsr::{DepthReference, Inference, Mode, QualifyParams, QualitativeScene};
-use dorsal::disparity_pyramid::{DisparityField, EyeView, MatchParams, RowAlignment, estimate};
-use dorsal::egocentric_depth::{LocateParams, Reach, StereoRig, locate, triangulate};
+use dorsal::disparity_pyramid::{DisparityField, EyeView, MatchParams, RowAlignment};
+use dorsal::egocentric_depth::{LocateParams, StereoRig, locate, triangulate};
 use dorsal::v1_gabor::{Binocular, FilterBank, GaborParams};
-use dorsal::{DenseLook, Estimator, sightings};
+use dorsal::{DenseLook, Estimator, Range, sightings};
 use stereo_formats::picture::Picture;
 
 use crate::console::Console;
 use crate::objects::Objects;
+use crate::searched::Searched;
 use crate::sight::{Scene, Sight};
 use crate::times::Times;
 
@@ -36,9 +37,12 @@ impl Plan {
         times: &mut Times,
         console: &Console,
     ) -> anyhow::Result<Sight> {
-        let disparity = match self.estimator {
-            Estimator::Vector => self.vector(eyes, times, console)?,
-            Estimator::Dense(dense) => self.dense(dense, eyes, times, console)?,
+        let (disparity, searched) = match self.estimator {
+            Estimator::Vector(range) => self.vector(range, eyes, times, console)?,
+            Estimator::Dense(dense) => {
+                let searched = Searched::given(self.gabor.scales, &self.matching);
+                (self.dense(dense, eyes, times, console)?, searched)
+            }
         };
 
         console.step("triangulating");
@@ -65,18 +69,20 @@ impl Plan {
         };
         Ok(Sight {
             disparity,
+            searched,
             depth,
             scene: scene.transpose().context("the objects cannot be placed")?,
         })
     }
 
-    /// The vector pyramid's disparity.
+    /// The vector pyramid's disparity, and where it searched.
     fn vector(
         &self,
+        range: Range,
         eyes: &Binocular<Picture>,
         times: &mut Times,
         console: &Console,
-    ) -> anyhow::Result<DisparityField> {
+    ) -> anyhow::Result<(DisparityField, Searched)> {
         console.step("filtering what the eyes see");
         let responses = times.measure("responses", || {
             let bank = FilterBank::plan(self.gabor, eyes.left.size())?;
@@ -86,9 +92,11 @@ impl Plan {
         let responses = responses.context("the pictures cannot be filtered")?;
 
         console.step("matching the eyes");
-        times
-            .measure("disparity", || estimate(&responses, self.matching))
-            .context("the eyes cannot be matched")
+        let found = times
+            .measure("disparity", || range.disparity(&responses, self.matching))
+            .context("the eyes cannot be matched")?;
+        let searched = Searched::of(&found, &self.matching);
+        Ok((found.field, searched))
     }
 
     /// The dense estimator's disparity.
@@ -134,36 +142,5 @@ impl Plan {
         times
             .measure("disparity", || dense.look(&views, &preparation))
             .context("the eyes cannot be matched")
-    }
-
-    /// The depths that the scales can tell with the rig; `None` without a rig, or if there are
-    /// none.
-    pub(crate) fn reach(&self) -> Option<Reach> {
-        let scales = u32::try_from(self.gabor.scales).ok()?;
-        let start_px = f64::from(self.matching.zero_disparity_px.0);
-        self.rig?.reach(scales, start_px)
-    }
-
-    /// What the scales reach, in a sentence; `None` without a rig.
-    pub(crate) fn reach_sentence(&self) -> Option<String> {
-        self.rig?;
-        let scales = self.gabor.scales;
-        let start_px = 0.0 - self.matching.zero_disparity_px.0;
-        let search = format!("{scales} scales around a disparity of {start_px:.1} px");
-        Some(match self.reach() {
-            Some(Reach {
-                nearest_m,
-                farthest_m,
-            }) if farthest_m.is_finite() => {
-                format!("{search} reach depths from {nearest_m:.2} to {farthest_m:.2} m")
-            }
-            Some(Reach { nearest_m, .. }) => {
-                format!("{search} reach every depth beyond {nearest_m:.2} m")
-            }
-            None => format!(
-                "{search} reach no depth in front of this rig; \
-                 choose --zero-disparity and --scales for the distances that matter"
-            ),
-        })
     }
 }

@@ -2,10 +2,14 @@ use dorsal::allocentric_qsr::{Inference, QualitativeScene};
 use dorsal::disparity_pyramid::DisparityField;
 use dorsal::egocentric_depth::{DepthMap, EgocentricScene};
 
+use crate::searched::Searched;
+
 /// What one look gave, as far as its plan went.
 #[derive(Debug)]
 pub(crate) struct Sight {
     pub(crate) disparity: DisparityField,
+    /// Where the vector pyramid searched, for itself or for the dense estimator.
+    pub(crate) searched: Searched,
     pub(crate) depth: Option<DepthMap>,
     pub(crate) scene: Option<Scene>,
 }

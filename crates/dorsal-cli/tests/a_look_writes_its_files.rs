@@ -20,8 +20,8 @@ fn disparity_alone() {
     let pair = Pair::new();
     let said = pair.look(&[]);
     assert_eq!(said.code, Some(0), "{}", said.err);
-    // 120 rows carry five scales, and the user is told.
-    assert!(said.err.contains("carry 5 scales, not 6"), "{}", said.err);
+    // 120 rows carry five scales.
+    assert!(said.out.contains("5 scales from 0 px"), "{}", said.out);
     for word in ["160 x 120 pixels", "valid", "median", "ms", "disparity.pfm"] {
         assert!(said.out.contains(word), "{}", said.out);
     }
@@ -60,6 +60,8 @@ fn disparity_alone() {
         (&WIDTH.into(), &HEIGHT.into())
     );
     assert_eq!(look["gabor"]["scales"], 5);
+    assert_eq!(look["search"]["scales"], 5);
+    assert_eq!(look["search"]["found"], false);
     let valid = validity
         .iter()
         .filter(|validity| validity.is_valid())
@@ -81,6 +83,51 @@ fn disparity_alone() {
     let coloured = picture::read(pair.path("out/disparity.png")).expect("a PNG");
     assert!(coloured.size().width == WIDTH && coloured.size().height > HEIGHT);
     assert!(!pair.path("out/depth.pfm").exists());
+}
+
+/// Far beyond what scales from zero reach, the range is found without an option.
+#[test]
+fn a_far_range_is_found() {
+    const FAR: f32 = 52.0;
+    let pair = Pair::far(FAR);
+    let said = pair.look(&[]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    assert!(said.out.contains("found by a coarse look"), "{}", said.out);
+    let search = &json(&pair, "out/look.json")["search"];
+    assert_eq!(search["found"], true);
+    // One pixel of the coarse look is two of the picture.
+    let start = search["starts"][0]["disparity_px"].as_f64();
+    let miss = start.expect("a number") - f64::from(FAR);
+    assert!(miss.abs() <= 2.0, "{search}");
+    // A third of the left picture is not in the right one.
+    let d = pfm::read(pair.path("out/disparity.pfm")).expect("a PFM");
+    let seen = d.slice(ndarray::s![10..HEIGHT - 10, 70..WIDTH - 10]);
+    let right = seen.iter().filter(|d| (**d - FAR).abs() < 0.1).count();
+    assert!(
+        right as f64 > 0.9 * seen.len() as f64,
+        "{right} of {}",
+        seen.len()
+    );
+    assert!(pair.path("out/sigma_dx.pfm").is_file());
+
+    // A given search is taken as it is, and the user is told of scales that the rows do not carry.
+    let given = pair.look(&["--zero-disparity", "50", "--scales", "6"]);
+    assert!(given.err.contains("carry 5 scales, not 6"), "{}", given.err);
+    assert!(given.out.contains("5 scales from 50 px"), "{}", given.out);
+    assert_eq!(json(&pair, "out/look.json")["search"]["found"], false);
+}
+
+/// A wide search finds what is near too.
+#[test]
+fn a_wide_search_finds_what_is_near() {
+    let pair = Pair::new();
+    let said = pair.look(&["--range", "wide", "--rows-only"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let look = json(&pair, "out/look.json");
+    assert_eq!(look["search"]["found"], true);
+    assert_eq!(look["search"]["starts"][0]["vertical_px"], 0.0);
+    let median = look["disparity_px"]["median"].as_f64().expect("a number");
+    assert!((median - f64::from(D)).abs() < 0.1, "{median}");
 }
 
 #[test]

@@ -33,6 +33,8 @@ fn values_are_checked_before_any_work() {
         ("--threads 0", "--threads"),
         ("--estimator magic", "vector"),
         ("--max-disparity far", "or auto"),
+        ("--range far", "wide"),
+        ("--range wide --scales 5", "cannot be used with"),
         ("--min-disparity 9999", "from -8000 to 8000"),
         (
             "--max-disparity 3 --min-disparity 4",

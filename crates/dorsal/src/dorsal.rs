@@ -1,5 +1,5 @@
 use allocentric_qsr::{DepthReference, QualifyParams, QualitativeScene};
-use disparity_pyramid::{EyeView, MatchParams, estimate};
+use disparity_pyramid::{EyeView, MatchParams};
 use egocentric_depth::{LabelImage, LocateParams, StereoRig, locate, triangulate};
 use v1_gabor::{Binocular, FilterBank, LumaImage};
 
@@ -40,14 +40,16 @@ impl Dorsal {
         labels: &LabelImage,
         names: &Names,
     ) -> Result<Percept, Error> {
-        let disparity = match self.estimator {
-            Estimator::Vector => {
+        let (disparity, starts) = match self.estimator {
+            Estimator::Vector(range) => {
                 let responses = eyes.as_ref().try_map(|eye| self.bank.respond(eye))?;
-                estimate(&responses, self.matching)?
+                let found = range.disparity(&responses, self.matching)?;
+                (found.field, found.starts)
             }
             Estimator::Dense(dense) => {
                 let views = eyes.as_ref().map(EyeView::grey);
-                dense.disparity(&views, &self.bank, self.matching)?
+                let field = dense.disparity(&views, &self.bank, self.matching)?;
+                (field, Vec::new())
             }
         };
         let depth = triangulate(&disparity, &self.rig);
@@ -59,6 +61,7 @@ impl Dorsal {
         )?;
         Ok(Percept {
             disparity,
+            starts,
             depth,
             egocentric,
             qualitative,

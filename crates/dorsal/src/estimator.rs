@@ -4,16 +4,22 @@ use disparity_pyramid::{
 };
 use v1_gabor::{Binocular, FilterBank};
 
-use crate::Error;
+use crate::{Error, Range};
 
 /// Which estimator of level 2 looks.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Estimator {
-    /// The paper's vector pyramid: `dx` and `dy`, nothing assumed of the rig.
-    #[default]
-    Vector,
+    /// The paper's vector pyramid: `dx` and `dy`, nothing assumed of the rig; over a range that is
+    /// given, or that it finds itself.
+    Vector(Range),
     /// The dense epipolar estimator: `dx` at every pixel of a rectified pair.
     Dense(DenseLook),
+}
+
+impl Default for Estimator {
+    fn default() -> Self {
+        Self::Vector(Range::default())
+    }
 }
 
 /// How the dense estimator looks.

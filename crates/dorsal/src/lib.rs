@@ -13,7 +13,7 @@
 //!     AllocentricMap, DepthReference, GroundPose, MemoryParams, PoseKnowledge, QualifyParams,
 //!     RobotPose, SceneMemory,
 //! };
-//! use dorsal::{Dorsal, Estimator, Stand};
+//! use dorsal::{Dorsal, Estimator, Range, Stand};
 //! use dorsal::disparity_pyramid::MatchParams;
 //! use dorsal::egocentric_depth::{CameraIntrinsics, LabelImage, LocateParams, StereoRig};
 //! use dorsal::v1_gabor::{Binocular, FilterBank, GaborParams, LumaImage, Size};
@@ -36,7 +36,7 @@
 //! let dorsal = Dorsal {
 //!     bank: FilterBank::plan(GaborParams::default().fitted_to(size), size)?,
 //!     matching: MatchParams { zero_disparity_px: (-16.0, 0.0), ..MatchParams::default() },
-//!     estimator: Estimator::Vector,
+//!     estimator: Estimator::Vector(Range::Given),
 //!     rig: StereoRig::parallel(Binocular { left: camera, right: camera }, 0.1)?,
 //!     locating: LocateParams::default(),
 //!     reference: DepthReference::robot_120(),
@@ -75,6 +75,7 @@ mod error;
 mod estimator;
 mod observations;
 mod percept;
+mod range;
 mod remember;
 mod sightings;
 
@@ -89,5 +90,6 @@ pub use error::Error;
 pub use estimator::{DenseLook, Estimator, Preparation, Search};
 pub use observations::{observations, radius_m};
 pub use percept::Percept;
+pub use range::Range;
 pub use remember::Stand;
 pub use sightings::{Names, object_id, sightings};

@@ -1,5 +1,5 @@
 use allocentric_qsr::QualitativeScene;
-use disparity_pyramid::DisparityField;
+use disparity_pyramid::{DisparityField, Start};
 use egocentric_depth::{DepthMap, EgocentricScene};
 
 /// What one look gave, level by level.
@@ -7,6 +7,9 @@ use egocentric_depth::{DepthMap, EgocentricScene};
 pub struct Percept {
     /// Vector disparity of every pixel of the left image.
     pub disparity: DisparityField,
+    /// Where the vector pyramid's search began, if a coarse look said so
+    /// ([`Range`](crate::Range)); else empty.
+    pub starts: Vec<Start>,
     /// Depth in metres where the disparity is known.
     pub depth: DepthMap,
     /// Where each labelled object is, in metres from the observer.

@@ -48,8 +48,18 @@ pub(crate) struct Pair {
 
 impl Pair {
     pub(crate) fn new() -> Self {
+        Self::drawn(texture, D)
+    }
+
+    /// A wall of a disparity beyond what scales from zero reach, with a texture that looks nowhere as it
+    /// does elsewhere.
+    pub(crate) fn far(d: f32) -> Self {
+        Self::drawn(many_waves, d)
+    }
+
+    fn drawn(texture: impl Fn(f32, f32) -> f32, d: f32) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
-        for (name, shift) in [("left.png", 0.0), ("right.png", D)] {
+        for (name, shift) in [("left.png", 0.0), ("right.png", d)] {
             let plane = Array2::from_shape_fn((HEIGHT, WIDTH), |(y, x)| {
                 0.5 + 0.1 * texture(x as f32 + shift, y as f32)
             });
@@ -91,4 +101,14 @@ fn texture(x: f32, y: f32) -> f32 {
         + (0.13 * y).cos()
         + (0.5 * x - 0.7 * y).cos()
         + (0.07 * x + 0.05 * y).sin()
+}
+
+/// Forty waves, no two of one length or one direction.
+fn many_waves(x: f32, y: f32) -> f32 {
+    let wave = |i: u8| {
+        let i = f32::from(i);
+        let (frequency, direction) = (0.08 + 0.035 * i, 2.4 * i);
+        (frequency * (x * direction.cos() + y * direction.sin()) + 1.7 * i * i).sin()
+    };
+    0.3 * (1..=40).map(wave).sum::<f32>()
 }
