@@ -24,6 +24,9 @@ pub struct MatchParams {
     pub medians: usize,
     /// Half-width of the median filters, in pixels: 1 is 3 x 3, 2 is 5 x 5.
     pub median_radius: MedianRadius,
+    /// Whether the left eye's filters are stretched by the slope of the shifts found so far, as the
+    /// surface is in the right eye: see below.
+    pub slants: bool,
     /// Least agreement of the orientations' phases with the fitted shift, from -1 (none heard) to
     /// 1; below it a pixel keeps what the coarser scale said.
     pub least_coherence: f32,
@@ -81,6 +84,7 @@ impl Default for MatchParams {
             robust_rounds: 1,
             medians: 2,
             median_radius: MedianRadius::Two,
+            slants: true,
             least_coherence: 0.7,
             vertical_prior: 0.1,
             fill_neighbours: Some(10),
@@ -105,6 +109,7 @@ impl MatchParams {
             robust_rounds: 0,
             medians: 1,
             median_radius: MedianRadius::One,
+            slants: false,
             least_coherence: -1.0,
             vertical_prior: 0.0,
             fill_neighbours: None,
