@@ -176,9 +176,14 @@ impl<R: Reader> NullaryFnOnce for Compiled<'_, R> {
             let here = start..end;
             let shifts = (&whole(&dx[here.clone()]), &whole(&dy[here.clone()]));
             let at = (start, y);
-            let left = stretch
-                .and_then(|stretch| stretch.respond(stretched, warp, at, end - start))
-                .unwrap_or(&left[start * parts..]);
+            let pixels = end - start;
+            // Without a closure, which would leave what is compiled for the vector unit.
+            let left = match stretch {
+                Some(stretch) if stretch.respond(reader.simd(), stretched, warp, at, pixels) => {
+                    &*stretched
+                }
+                _ => &left[start * parts..],
+            };
             reader.read(tile, (left, warp), at, shifts, params.energy_threshold);
             let parent_dy = &whole(&parent_dy[here.clone()]);
             let fit = tile.fit(reader.simd(), eyes.waves, (parent_dy, shifts.1), params);
