@@ -133,7 +133,7 @@ impl Row<'_> {
             (Arch::V4(v4), 8) => v4.vectorize(Compiled(self, ByPair(v4))),
             #[cfg(target_arch = "x86_64")]
             (Arch::V4(v4), _) => {
-                (*v4).vectorize(Compiled(self, ByPixel::<0, _>(*v4, orientations)))
+                (*v4).vectorize(Compiled(self, ByPixel::<0, _>(*v4, orientations)));
             }
             #[cfg(target_arch = "x86_64")]
             (Arch::V3(v3), 8) => v3.vectorize(Compiled(self, ByPixel::<8, _>(v3, 8))),
