@@ -79,6 +79,7 @@ mod robust_fit;
 mod shift_covariance;
 mod singular;
 mod start;
+mod stretch;
 mod tile;
 mod validity;
 mod vector;

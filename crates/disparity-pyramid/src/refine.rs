@@ -6,6 +6,7 @@ use v1_gabor::{Responses, WaveVector};
 #[cfg(target_arch = "x86_64")]
 use crate::pair_read::ByPair;
 use crate::shift_covariance::FitCovariance;
+use crate::stretch::Stretch;
 use crate::tile::{ByPixel, Reader, TILE, Tile, whole};
 use crate::warp::Warp;
 use crate::{MatchParams, Validity};
@@ -42,6 +43,9 @@ pub(crate) fn refine(
 ) {
     const CONTIGUOUS: &str = "planes are made in row-major order";
     let warp = Warp::new(eyes.right, eyes.waves);
+    let stretch = params
+        .slants
+        .then(|| Stretch::new(eyes.left, &shifts.dx, &shifts.dy));
     let width = shifts.dx.dim().1;
     let dx = shifts
         .dx
@@ -79,8 +83,8 @@ pub(crate) fn refine(
         .into_par_iter()
         .enumerate()
         .for_each_init(
-            Tile::new,
-            |tile, (y, (dx, dy, validity, residual, covariance, parent_dy))| {
+            || (Tile::new(), vec![0.0; TILE * 2 * eyes.waves.len()]),
+            |(tile, stretched), (y, (dx, dy, validity, residual, covariance, parent_dy))| {
                 let row = Row {
                     eyes,
                     warp: &warp,
@@ -93,6 +97,8 @@ pub(crate) fn refine(
                     residual,
                     covariance,
                     parent_dy,
+                    stretch: stretch.as_ref(),
+                    stretched,
                 };
                 row.dispatch();
             },
@@ -112,6 +118,9 @@ struct Row<'a> {
     residual: &'a mut [f32],
     covariance: Option<&'a mut [FitCovariance]>,
     parent_dy: &'a [f32],
+    stretch: Option<&'a Stretch<'a>>,
+    /// Room for a tile's left responses, stretched.
+    stretched: &'a mut [f32],
 }
 
 impl Row<'_> {
@@ -156,6 +165,8 @@ impl<R: Reader> NullaryFnOnce for Compiled<'_, R> {
             residual,
             mut covariance,
             parent_dy,
+            stretch,
+            stretched,
         } = self.0;
         let reader = self.1;
         let parts = 2 * eyes.waves.len();
@@ -165,7 +176,14 @@ impl<R: Reader> NullaryFnOnce for Compiled<'_, R> {
             let here = start..end;
             let shifts = (&whole(&dx[here.clone()]), &whole(&dy[here.clone()]));
             let at = (start, y);
-            let left = &left[start * parts..];
+            let pixels = end - start;
+            // Without a closure, which would leave what is compiled for the vector unit.
+            let left = match stretch {
+                Some(stretch) if stretch.respond(reader.simd(), stretched, warp, at, pixels) => {
+                    &*stretched
+                }
+                _ => &left[start * parts..],
+            };
             reader.read(tile, (left, warp), at, shifts, params.energy_threshold);
             let parent_dy = &whole(&parent_dy[here.clone()]);
             let fit = tile.fit(reader.simd(), eyes.waves, (parent_dy, shifts.1), params);
