@@ -177,7 +177,6 @@ impl<R: Reader> NullaryFnOnce for Compiled<'_, R> {
             let shifts = (&whole(&dx[here.clone()]), &whole(&dy[here.clone()]));
             let at = (start, y);
             let pixels = end - start;
-            // Without a closure, which would leave what is compiled for the vector unit.
             let left = match stretch {
                 Some(stretch) if stretch.respond(reader.simd(), stretched, warp, at, pixels) => {
                     &*stretched
