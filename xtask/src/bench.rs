@@ -5,7 +5,10 @@ use std::time::Duration;
 
 use anyhow::Context;
 use clap::Args;
-use disparity_pyramid::{DenseMatcher, DenseParams, EyeView, MatchParams, SearchRange, estimate};
+use disparity_pyramid::{
+    DenseMatcher, DenseParams, DisparityField, EyeView, MatchParams, MatchWorkspace, SearchRange,
+    estimate_into,
+};
 use indicatif::ProgressBar;
 use serde::Serialize;
 use stereo_scenes::{Exposure, Room, render};
@@ -216,6 +219,8 @@ struct Ours {
     bank: FilterBank,
     workspace: BankWorkspace,
     responses: Binocular<V1Responses>,
+    matching: MatchWorkspace,
+    field: DisparityField,
     matcher: DenseMatcher,
     search: SearchRange,
 }
@@ -231,6 +236,8 @@ impl Ours {
                 right: bank.silence(),
             },
             bank,
+            matching: MatchWorkspace::new(),
+            field: DisparityField::default(),
             matcher: DenseMatcher::plan(DenseParams::fast(), size)?,
             search: SearchRange::new(1 - SHIFTS as i32, 0)?,
             images,
@@ -275,7 +282,8 @@ impl Ours {
 
     fn look(&mut self, params: MatchParams) -> anyhow::Result<()> {
         self.respond()?;
-        black_box(estimate(&self.responses, params)?);
+        estimate_into(&self.responses, params, &mut self.matching, &mut self.field)?;
+        black_box(&self.field);
         Ok(())
     }
 }

@@ -9,14 +9,15 @@ use crate::{ShiftCovariance, Validity};
 /// parallel rig. `dx` and `dy` are finite everywhere (a best guess where nothing better is
 /// known), `confidence` lies in `[0, 1]`, and `validity` says which pixels are answers. An estimator
 /// that fits says also how uncertain each answer is, in pixels ([`ShiftCovariance`]). All planes are `[[y, x]]`.
-#[derive(Clone, Debug, PartialEq)]
+/// The default is the field of an image without a pixel, to be [written over](crate::estimate_into).
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct DisparityField {
-    dx: Array2<f32>,
-    dy: Array2<f32>,
-    confidence: Array2<f32>,
-    validity: Array2<Validity>,
+    pub(crate) dx: Array2<f32>,
+    pub(crate) dy: Array2<f32>,
+    pub(crate) confidence: Array2<f32>,
+    pub(crate) validity: Array2<Validity>,
     /// Unknown where not valid.
-    covariance: Option<Array2<ShiftCovariance>>,
+    pub(crate) covariance: Option<Array2<ShiftCovariance>>,
 }
 
 /// The disparity of one pixel that the estimator stands behind.
@@ -132,12 +133,9 @@ impl DisparityField {
         Self { covariance, ..self }
     }
 
-    /// The same field with another reason where one pixel or another has no answer: `reason` is
-    /// asked at those of too little energy.
-    pub(crate) fn with_reasons(
-        mut self,
-        reason: impl Fn(usize, usize, Disparity) -> Validity,
-    ) -> Self {
+    /// Gives another reason where one pixel or another has no answer: `reason` is asked at those of
+    /// too little energy.
+    pub(crate) fn give_reasons(&mut self, reason: impl Fn(usize, usize, Disparity) -> Validity) {
         for y in 0..self.size().height {
             for x in 0..self.size().width {
                 if self.validity[[y, x]] == Validity::NoEnergy {
@@ -145,7 +143,6 @@ impl DisparityField {
                 }
             }
         }
-        self
     }
 
     /// Width and height in pixels.

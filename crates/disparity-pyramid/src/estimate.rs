@@ -1,12 +1,14 @@
-use ndarray::{Array2, Zip};
+use ndarray::Array2;
 use v1_gabor::{Binocular, GaborParams, MonogenicParams, Responses, Size, V1Responses};
 
 use crate::coarse_to_fine::coarse_to_fine;
 use crate::left_right::check;
-use crate::refine::{Eyes, Shifts, refine};
+use crate::fill::fill;
+use crate::refine::{Eyes, refine};
 use crate::shift_covariance::pooled;
+use crate::shifts::Shifts;
 use crate::singular::mark_singular;
-use crate::{DisparityField, MatchParams};
+use crate::{DisparityField, MatchParams, MatchWorkspace};
 
 /// Why the responses of two eyes cannot be matched.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -63,12 +65,38 @@ pub fn estimate(
     estimate_over(eyes, params, eyes.left.scales().len())
 }
 
+/// The same into a field that may be of another pair, in buffers that are kept: for pair after pair,
+/// of which none but the first of a size allocates anything large.
+///
+/// # Errors
+/// [`Mismatch`] as [`estimate`]; the field stays as it is then.
+pub fn estimate_into(
+    eyes: &Binocular<V1Responses>,
+    params: MatchParams,
+    workspace: &mut MatchWorkspace,
+    field: &mut DisparityField,
+) -> Result<(), Mismatch> {
+    estimate_scales_into(eyes, params, eyes.left.scales().len(), (workspace, field))
+}
+
 /// The same over the finest `scales` of those that the eyes hold.
 pub(crate) fn estimate_over(
     eyes: &Binocular<V1Responses>,
     params: MatchParams,
     scales: usize,
 ) -> Result<DisparityField, Mismatch> {
+    let mut field = DisparityField::default();
+    let room = (&mut MatchWorkspace::new(), &mut field);
+    estimate_scales_into(eyes, params, scales, room)?;
+    Ok(field)
+}
+
+fn estimate_scales_into(
+    eyes: &Binocular<V1Responses>,
+    params: MatchParams,
+    scales: usize,
+    (workspace, field): (&mut MatchWorkspace, &mut DisparityField),
+) -> Result<(), Mismatch> {
     params.check()?;
     let (left, right) = (&eyes.left, &eyes.right);
     if left.size() != right.size() {
@@ -96,70 +124,91 @@ pub(crate) fn estimate_over(
         .map(Responses::size)
         .take(scales)
         .collect();
-    let warp = |from: &V1Responses, to: &V1Responses, scale: usize, shifts: &mut Shifts, dy: &_| {
-        let eyes = Eyes {
-            left: &from.scales()[scale],
-            right: &to.scales()[scale],
-            waves: &waves,
+    let warp =
+        |from: &V1Responses, to: &V1Responses, scale: usize, shifts: &mut Shifts, dy: Option<&_>| {
+            let eyes = Eyes {
+                left: &from.scales()[scale],
+                right: &to.scales()[scale],
+                waves: &waves,
+            };
+            refine(&eyes, shifts, dy, &params);
         };
-        refine(&eyes, shifts, dy, &params);
-    };
-    let field = both_ways(
+    both_ways(
+        (workspace, field),
         &params,
         &sizes,
         Some(left.params()),
         |scale, shifts, parent_dy| warp(left, right, scale, shifts, parent_dy),
         |scale, shifts, parent_dy| warp(right, left, scale, shifts, parent_dy),
     );
-    Ok(match heard {
-        None => field,
-        Some(_) => mark_singular(field, eyes, params.energy_threshold),
-    })
+    if heard.is_some() {
+        mark_singular(field, eyes, params.energy_threshold);
+    }
+    Ok(())
 }
 
 /// The field of the way there, checked against the way back if that is asked for. `there` and
 /// `back` are one warp at one scale, as [`coarse_to_fine`] takes it; of `bank` depends how far
 /// the noise of orientations and pixels goes together, if fits have a covariance.
 pub(crate) fn both_ways(
+    (workspace, field): (&mut MatchWorkspace, &mut DisparityField),
     params: &MatchParams,
     sizes: &[Size],
     bank: Option<GaborParams>,
-    there: impl Fn(usize, &mut Shifts, &Array2<f32>) + Send,
-    back: impl Fn(usize, &mut Shifts, &Array2<f32>) + Send,
-) -> DisparityField {
+    there: impl Fn(usize, &mut Shifts, Option<&Array2<f32>>) + Send,
+    back: impl Fn(usize, &mut Shifts, Option<&Array2<f32>>) + Send,
+) {
     let (start_x, start_y) = params.zero_disparity_px;
-    let there = || coarse_to_fine(sizes, 0, (start_x, start_y), params, there);
-    let there = match params.left_right_px {
-        None => there(),
+    let MatchWorkspace {
+        there: track,
+        back: track_back,
+        ones,
+    } = workspace;
+    let there = || coarse_to_fine(track, (sizes, 0), (start_x, start_y), params, there);
+    let last = params.look_back_scale.min(sizes.len() - 1);
+    if params.left_right_px.is_some() {
+        let start = (-start_x, -start_y);
+        let light = MatchParams {
+            warps: params.look_back_warps,
+            finest_warps: params.look_back_warps,
+            medians: params.medians.min(1),
+            covariance: false,
+            ..*params
+        };
+        let back = move || coarse_to_fine(track_back, (sizes, last), start, &light, back);
         // Side by side: steps of one that keep a single thread busy leave the others to the other.
-        Some(tolerance_px) => {
-            let last = params.look_back_scale.min(sizes.len() - 1);
-            let start = (-start_x, -start_y);
-            let back = || coarse_to_fine(sizes, last, start, params, back);
-            let (mut there, back) = rayon::join(there, back);
-            check(&mut there, &back, last, tolerance_px);
-            there
-        }
-    };
-    let confidence =
-        Zip::from(&there.residual)
-            .and(&there.validity)
-            .map_collect(|&residual, validity| {
-                if validity.is_valid() {
-                    confidence(residual)
-                } else {
-                    0.0
-                }
-            });
-    let fits = there.covariance.as_ref().zip(bank);
-    let covariance = fits.map(|(fits, bank)| pooled(fits, &there.validity, bank, params));
-    DisparityField::trusted(there.dx, there.dy, confidence, there.validity)
-        .with_covariance(covariance)
+        rayon::join(there, back);
+    } else {
+        there();
+    }
+    let found = &mut workspace.there.levels[0].shifts;
+    if field.confidence.dim() != sizes[0].dim() {
+        field.confidence = Array2::zeros(sizes[0].dim());
+    }
+    if ones.dim() != sizes[0].dim() {
+        *ones = Array2::zeros(sizes[0].dim());
+    }
+    fill(found, &mut field.confidence, ones, params.fill_neighbours);
+    if let Some(tolerance_px) = params.left_right_px {
+        let back = &workspace.back.levels[last].shifts;
+        check(found, &mut field.confidence, (back, last), tolerance_px);
+    }
+    // The planes that the field had are the next pair's.
+    let planes = [(&mut field.dx, &mut found.dx), (&mut field.dy, &mut found.dy)];
+    for (given, found) in planes {
+        exchange(given, found);
+    }
+    exchange(&mut field.validity, &mut found.validity);
+    let fits = found.covariance.take().zip(bank);
+    field.covariance = fits.map(|(fits, bank)| pooled(&fits, &field.validity, bank, params));
 }
 
-/// From what the orientations leave unexplained, in pixels, to a confidence from 0 to 1.
-fn confidence(residual_px: f32) -> f32 {
-    1.0 / (1.0 + (residual_px / 0.2).powi(2))
+/// Gives a plane that was found away for one of the same size.
+fn exchange<T: Clone>(given: &mut Array2<T>, found: &mut Array2<T>) {
+    if given.dim() != found.dim() {
+        given.clone_from(found);
+    }
+    std::mem::swap(given, found);
 }
 
 impl MatchParams {
@@ -177,7 +226,8 @@ impl MatchParams {
                 return refuse("zero_disparity_px", shift, "finite");
             }
         }
-        if self.warps.min(self.finest_warps) == 0 {
+        let warps = [self.warps, self.finest_warps, self.look_back_warps];
+        if warps.contains(&0) {
             return refuse("warps", 0.0, "at least 1");
         }
         if !(self.vertical_prior >= 0.0 && self.vertical_prior.is_finite()) {

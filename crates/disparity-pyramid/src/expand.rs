@@ -7,34 +7,39 @@ use v1_gabor::Size;
 /// Fine pixel `(x, y)` lies at coarse `(x / 2, y / 2)`; beyond the last coarse pixel its value
 /// holds.
 pub(crate) fn expand(shifts: ArrayView2<'_, f32>, fine: Size) -> Array2<f32> {
+    let mut expanded = Array2::zeros(fine.dim());
+    expand_into(shifts, &mut expanded);
+    expanded
+}
+
+/// The same into a plane of the finer grid, half a row and half a column as large at least.
+pub(crate) fn expand_into(shifts: ArrayView2<'_, f32>, fine: &mut Array2<f32>) {
     let (height, width) = shifts.dim();
     let coarse = shifts
         .to_slice()
         .expect("planes are made in row-major order");
     let row = |y: usize| &coarse[y.min(height - 1) * width..][..width];
-    let mut expanded = Array2::zeros(fine.dim());
-    expanded
-        .as_slice_mut()
-        .expect("a fresh array is contiguous")
-        .par_chunks_mut(fine.width)
+    let fine_width = fine.dim().1;
+    fine.as_slice_mut()
+        .expect("planes are made in row-major order")
+        .par_chunks_mut(fine_width)
         .enumerate()
         .for_each(|(y, out)| {
             // The mean of the (up to four, at even places equal) neighbours, times two.
             let (top, bottom) = (row(y / 2), row(y.div_ceil(2)));
-            let mut pairs = out.chunks_exact_mut(2);
-            let mut x = 0;
-            for pair in &mut pairs {
-                let right = (x + 1).min(width - 1);
-                let here = top[x] + bottom[x];
-                pair[0] = here;
-                pair[1] = 0.5 * (here + (top[right] + bottom[right]));
-                x = right;
+            let (pairs, single) = out.as_chunks_mut::<2>();
+            let neighbours = top.array_windows::<2>().zip(bottom.array_windows::<2>());
+            for (pair, (top, bottom)) in pairs.iter_mut().zip(neighbours) {
+                let here = top[0] + bottom[0];
+                *pair = [here, 0.5 * (here + (top[1] + bottom[1]))];
             }
-            if let [last] = pairs.into_remainder() {
-                *last = top[x] + bottom[x];
+            let last = top[width - 1] + bottom[width - 1];
+            match (single, pairs) {
+                ([single], _) => *single = last,
+                (_, [.., pair]) => *pair = [last, last],
+                _ => {}
             }
         });
-    expanded
 }
 
 #[cfg(test)]

@@ -1,74 +1,131 @@
 use std::ops::Range;
 
 use ndarray::Array2;
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 use crate::Validity;
-use crate::refine::Shifts;
+use crate::shifts::Shifts;
 
 /// Half the width of the window that is looked at, in pixels.
 const REACH: usize = 2;
 
 const CONTIGUOUS: &str = "planes are made in row-major order";
 
-/// Makes a pixel without an answer of its own (too little energy, or incoherent) valid if at least
-/// so many of the 5 x 5 pixels around it are: the medians have given it their value by then. What
-/// is left unexplained there is taken to be their mean.
+/// Says how sure each pixel is, and makes one without an answer of its own (too little energy, or
+/// incoherent) valid if at least so many of the 5 x 5 pixels around it are: the medians have given it
+/// their value by then. What is left unexplained there is taken to be their mean.
 ///
 /// A texture's own quiet spots, where an orientation or two fall below the threshold, are filled so;
-/// an empty wall is not. `None` fills nothing.
-pub(crate) fn fill(shifts: &mut Shifts, least: Option<usize>) {
-    let Some(least) = least else {
-        return;
-    };
-    let least = u8::try_from(least.max(1)).unwrap_or(u8::MAX);
+/// an empty wall is not. `None` fills nothing. `ones` is room for a plane.
+pub(crate) fn fill(
+    shifts: &mut Shifts,
+    confidence: &mut Array2<f32>,
+    ones: &mut Array2<u8>,
+    least: Option<usize>,
+) {
+    // More than there are fill nothing.
+    let least = least.map_or(u8::MAX, |least| {
+        u8::try_from(least.max(1)).unwrap_or(u8::MAX)
+    });
     let (height, width) = shifts.dx.dim();
-    let validity = shifts.validity.as_slice().expect(CONTIGUOUS);
-    let residual = shifts.residual.as_slice().expect(CONTIGUOUS);
-    // One for what is valid and what it leaves unexplained, nothing for the rest: sums of these need no
-    // choice.
-    let (mut ones, mut heard) = (vec![0u8; validity.len()], vec![0.0f32; validity.len()]);
+    let ones = ones.as_slice_mut().expect(CONTIGUOUS);
+    let validity = shifts.validity.as_slice_mut().expect(CONTIGUOUS);
     ones.par_chunks_mut(width)
-        .zip(heard.par_chunks_mut(width))
-        .zip(validity.par_chunks(width).zip(residual.par_chunks(width)))
-        .for_each(|((ones, heard), (validity, residual))| {
+        .zip(validity.par_chunks(width))
+        .for_each(|(ones, validity)| {
             for (one, validity) in ones.iter_mut().zip(validity) {
                 *one = u8::from(validity.is_valid());
             }
-            for ((heard, residual), validity) in heard.iter_mut().zip(residual).zip(validity) {
-                *heard = if validity.is_valid() { *residual } else { 0.0 };
-            }
         });
-    let (mut filled, mut residuals) = (shifts.validity.clone(), shifts.residual.clone());
-    let rows = filled
-        .as_slice_mut()
-        .expect(CONTIGUOUS)
-        .par_chunks_mut(width);
-    let residual_rows = residuals
-        .as_slice_mut()
-        .expect(CONTIGUOUS)
-        .par_chunks_mut(width);
-    rows.zip(residual_rows).enumerate().for_each_init(
-        || Columns::new(width),
-        |columns, (y, (filled, residuals))| {
-            columns.clear();
-            for row in around(y, height) {
-                let row = row * width..(row + 1) * width;
-                columns.add(&ones[row.clone()], &heard[row]);
+    let ones = &*ones;
+    let residual = shifts.residual.as_slice().expect(CONTIGUOUS);
+    let confidence = confidence.as_slice_mut().expect(CONTIGUOUS);
+    validity
+        .par_chunks_mut(width)
+        .zip(confidence.par_chunks_mut(width))
+        .enumerate()
+        .for_each_init(
+            || Columns::new(width),
+            |columns, (y, (validity, confidence))| {
+                Arch::new().dispatch(Row {
+                    columns,
+                    rows: around(y, height),
+                    y,
+                    ones,
+                    residual,
+                    least,
+                    validity,
+                    confidence,
+                });
+            },
+        );
+}
+
+/// One row's work.
+struct Row<'a> {
+    columns: &'a mut Columns,
+    /// The rows that windows around this one reach.
+    rows: Range<usize>,
+    y: usize,
+    /// Of the whole plane.
+    ones: &'a [u8],
+    residual: &'a [f32],
+    least: u8,
+    /// Of this row.
+    validity: &'a mut [Validity],
+    confidence: &'a mut [f32],
+}
+
+impl WithSimd for Row<'_> {
+    type Output = ();
+
+    // The loops are compiled for the machine's vectors.
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Row {
+            columns,
+            rows,
+            y,
+            ones,
+            residual,
+            least,
+            validity,
+            confidence,
+        } = self;
+        let width = validity.len();
+        let row = |y: usize| y * width..(y + 1) * width;
+        columns.clear();
+        for y in rows {
+            columns.add(&ones[row(y)], &residual[row(y)]);
+        }
+        columns.count_windows();
+        let own = confidence.iter_mut().zip(&residual[row(y)]);
+        for ((confidence, &residual), &one) in own.zip(&ones[row(y)]) {
+            *confidence = heard(one, sureness(residual));
+        }
+        let asking = validity.iter_mut().zip(confidence).enumerate();
+        for (x, (validity, confidence)) in asking {
+            let asks = matches!(validity, Validity::NoEnergy | Validity::Incoherent);
+            if asks && columns.windows[x] >= least {
+                *validity = Validity::Valid;
+                let sum: f32 = columns.sums[x..=x + 2 * REACH].iter().sum();
+                *confidence = sureness(sum / f32::from(columns.windows[x]));
             }
-            columns.count_windows();
-            for x in 0..width {
-                let asks = matches!(filled[x], Validity::NoEnergy | Validity::Incoherent);
-                if asks && columns.windows[x] >= least {
-                    filled[x] = Validity::Valid;
-                    let sum: f32 = columns.sums[x..=x + 2 * REACH].iter().sum();
-                    residuals[x] = sum / f32::from(columns.windows[x]);
-                }
-            }
-        },
-    );
-    shifts.validity = filled;
-    shifts.residual = residuals;
+        }
+    }
+}
+
+/// From what the orientations leave unexplained, in pixels, to a confidence from 0 to 1.
+#[inline(always)]
+fn sureness(residual_px: f32) -> f32 {
+    1.0 / (1.0 + (residual_px / 0.2).powi(2))
+}
+
+/// A number where a pixel is valid, and 0 where not, whatever the number is there.
+#[inline(always)]
+fn heard(one: u8, number: f32) -> f32 {
+    if one == 1 { number } else { 0.0 }
 }
 
 /// What the rows about one of them hold, column by column, with nothing beyond either end.
@@ -90,20 +147,24 @@ impl Columns {
         }
     }
 
+    #[inline(always)]
     fn clear(&mut self) {
         self.counts.fill(0);
         self.sums.fill(0.0);
     }
 
-    fn add(&mut self, ones: &[u8], heard: &[f32]) {
+    #[inline(always)]
+    fn add(&mut self, ones: &[u8], residual: &[f32]) {
         for (count, one) in self.counts[REACH..].iter_mut().zip(ones) {
             *count += one;
         }
-        for (sum, heard) in self.sums[REACH..].iter_mut().zip(heard) {
-            *sum += heard;
+        let numbers = residual.iter().zip(ones);
+        for (sum, (&residual, &one)) in self.sums[REACH..].iter_mut().zip(numbers) {
+            *sum += heard(one, residual);
         }
     }
 
+    #[inline(always)]
     fn count_windows(&mut self) {
         self.windows.fill(0);
         for offset in 0..=2 * REACH {
@@ -119,42 +180,43 @@ fn around(at: usize, length: usize) -> Range<usize> {
     at.saturating_sub(REACH)..(at + REACH + 1).min(length)
 }
 
-impl Shifts {
-    /// Shifts of which nothing is known yet.
-    pub(crate) fn silent(dx: Array2<f32>, dy: Array2<f32>) -> Self {
-        Self {
-            validity: Array2::from_elem(dx.dim(), Validity::NoEnergy),
-            residual: Array2::zeros(dx.dim()),
-            covariance: None,
-            dx,
-            dy,
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use v1_gabor::Size;
+
     use super::*;
 
     #[test]
     fn a_quiet_spot_is_filled_and_a_wall_is_not() {
-        let mut shifts = Shifts::silent(Array2::zeros((20, 30)), Array2::zeros((20, 30)));
-        shifts.residual.fill(0.25);
+        let size = Size {
+            width: 30,
+            height: 20,
+        };
+        let mut shifts = Shifts::silent(size);
+        shifts.residual.fill(0.1);
         for y in 0..20 {
             for x in 0..15 {
                 shifts.validity[[y, x]] = Validity::Valid;
             }
         }
         shifts.validity[[10, 5]] = Validity::Incoherent;
+        shifts.residual[[10, 5]] = 3.0;
         shifts.validity[[4, 7]] = Validity::OutOfView;
-        fill(&mut shifts, Some(13));
+        let mut confidence = Array2::from_elem(size.dim(), 7.0);
+        let mut ones = Array2::from_elem(size.dim(), 7);
+        fill(&mut shifts, &mut confidence, &mut ones, Some(13));
         assert!(shifts.validity[[10, 5]].is_valid());
-        assert_eq!(shifts.residual[[10, 5]], 0.25);
+        // Its neighbours leave half of what halves a confidence, and its own residual does not count.
+        for pixel in [[10, 5], [10, 6]] {
+            assert!((confidence[pixel] - 0.8).abs() < 1e-6);
+        }
         assert_eq!(shifts.validity[[4, 7]], Validity::OutOfView);
+        assert_eq!(confidence[[4, 7]], 0.0);
         // Beside an edge, two columns of five are valid: ten of twenty-five.
         assert_eq!(shifts.validity[[10, 15]], Validity::NoEnergy);
+        assert_eq!(confidence[[10, 15]], 0.0);
         assert_eq!(shifts.validity[[10, 25]], Validity::NoEnergy);
-        fill(&mut shifts, Some(10));
+        fill(&mut shifts, &mut confidence, &mut ones, Some(10));
         assert!(shifts.validity[[10, 15]].is_valid());
         assert_eq!(shifts.validity[[10, 25]], Validity::NoEnergy);
     }

@@ -1,7 +1,7 @@
 use pulp::Simd;
 use pulp::x86::V4;
 
-use crate::tile::{Reader, TILE, Tile, phase_and_weight};
+use crate::tile::{Products, Reader, TILE, Tile};
 use crate::vector::{store, vector};
 use crate::warp::Warp;
 
@@ -24,6 +24,7 @@ const HALF: usize = TILE / 2;
 type Vector = <V4 as Simd>::f32s;
 
 /// Where the pixels of a tile fall in the right image.
+#[repr(align(64))]
 struct Places {
     /// The pixel above and left, counted row by row; the first one if there is none.
     corner: [u32; TILE],
@@ -85,6 +86,10 @@ impl Places {
         places
     }
 }
+
+/// Begins at a cache line.
+#[repr(align(64))]
+struct Aligned<T>(T);
 
 /// What is the same for all pixels.
 struct Carrier {
@@ -178,8 +183,8 @@ impl Reader for ByPair {
             let (one, other) = (numbers[i], numbers[i + HALF]);
             v4.select_f32s(second, v4.splat_f32s(other), v4.splat_f32s(one))
         };
-        let mut phases = [threshold; HALF];
-        let mut weights = [threshold; HALF];
+        let silence = (threshold, threshold);
+        let mut products = Aligned([Products::new(v4, silence, silence); HALF]);
         for i in 0..HALF {
             let left = (
                 vector(v4, &left[i.min(last)], 0),
@@ -189,10 +194,17 @@ impl Reader for ByPair {
                 carrier.read(v4, right, &places, i),
                 carrier.read(v4, right, &places, i + HALF),
             );
+            let (left, right) = (by_part(v4, left), by_part(v4, right));
+            products.0[i] = Products::new(v4, left, right);
+        }
+        // A loop of its own: its steps are long chains, of which the processor sees several at a time
+        // only if nothing else is among them.
+        let mut phases = [threshold; HALF];
+        let mut weights = [threshold; HALF];
+        for i in 0..HALF {
             let along_y = v4.mul_f32s(carrier.wave_y, both(&places.beyond_y, i));
             let turn = v4.mul_add_e_f32s(carrier.wave_x, both(&places.beyond_x, i), along_y);
-            let (left, right) = (by_part(v4, left), by_part(v4, right));
-            (phases[i], weights[i]) = phase_and_weight(v4, left, right, turn, threshold);
+            (phases[i], weights[i]) = products.0[i].phase_and_weight(v4, turn, threshold);
         }
         let (phases, weights) = (turned(v4, phases), turned(v4, weights));
         for q in 0..ORIENTATIONS {

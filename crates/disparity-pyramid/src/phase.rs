@@ -2,17 +2,19 @@ use std::f32::consts::{FRAC_PI_2, PI};
 
 use pulp::Simd;
 
+use crate::rough::Rough;
+
 /// The angles of `x + j y`, in `[-pi, pi]`, to 4e-5 rad; 0 at the origin.
 ///
 /// A minimax polynomial of the ratio, folded over the octants, without a branch, lane by lane, which
 /// the standard library's `atan2` is not. Its error is a fortieth of a thousandth of a pixel of
 /// disparity.
 #[inline(always)]
-pub(crate) fn angle<S: Simd>(simd: S, y: S::f32s, x: S::f32s) -> S::f32s {
+pub(crate) fn angle<S: Rough>(simd: S, y: S::f32s, x: S::f32s) -> S::f32s {
     let zero = simd.splat_f32s(0.0);
     let (ax, ay) = (simd.abs_f32s(x), simd.abs_f32s(y));
     let large = simd.max_f32s(simd.max_f32s(ax, ay), simd.splat_f32s(f32::MIN_POSITIVE));
-    let ratio = simd.div_f32s(simd.min_f32s(ax, ay), large);
+    let ratio = simd.quotient(simd.min_f32s(ax, ay), large);
     let polynomial = polynomial(
         simd,
         simd.mul_f32s(ratio, ratio),

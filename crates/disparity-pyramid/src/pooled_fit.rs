@@ -2,7 +2,7 @@ use ndarray::{Array2, Zip, azip};
 use num_complex::Complex32;
 use v1_gabor::MonogenicPlanes;
 
-use crate::refine::Shifts;
+use crate::shifts::Shifts;
 use crate::{MatchParams, Validity};
 
 /// Standard deviation of the neighbourhood of a fit, in pixels of the scale.
@@ -43,7 +43,7 @@ pub(crate) fn pooled_refine(
     (left, right): (&MonogenicPlanes, &MonogenicPlanes),
     omega: f32,
     shifts: &mut Shifts,
-    parent_dy: &Array2<f32>,
+    parent_dy: Option<&Array2<f32>>,
     params: &MatchParams,
 ) {
     let dim = shifts.dx.dim();
@@ -97,7 +97,7 @@ pub(crate) fn pooled_refine(
         if !validity.is_valid() {
             return Err(validity);
         }
-        let pull = parent_dy[pixel] - shifts.dy[pixel];
+        let pull = parent_dy.map_or(0.0, |parent_dy| parent_dy[pixel] - shifts.dy[pixel]);
         let fit = if params.rows_only {
             normal.solve_row(pixel)
         } else {

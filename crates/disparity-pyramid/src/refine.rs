@@ -7,22 +7,10 @@ use v1_gabor::{Responses, WaveVector};
 use crate::pair_read::ByPair;
 use crate::shift_covariance::FitCovariance;
 use crate::stretch::Stretch;
-use crate::tile::{ByPixel, Reader, TILE, Tile, whole};
+use crate::shifts::Shifts;
+use crate::tile::{ByPixel, MOST_ORIENTATIONS, Reader, TILE, Tile, whole};
 use crate::warp::Warp;
 use crate::{MatchParams, Validity};
-
-/// Shifts of one scale, and what the last warp thought of each.
-#[derive(Debug)]
-pub(crate) struct Shifts {
-    pub(crate) dx: Array2<f32>,
-    pub(crate) dy: Array2<f32>,
-    pub(crate) validity: Array2<Validity>,
-    /// Root mean square of what the orientations leave unexplained, in pixels of this scale.
-    pub(crate) residual: Array2<f32>,
-    /// The covariance of each fit, unknown where there is no answer; a plane that is there is
-    /// written by the warp, and it is there at the last one alone.
-    pub(crate) covariance: Option<Array2<FitCovariance>>,
-}
 
 /// The two eyes at one scale.
 pub(crate) struct Eyes<'a> {
@@ -34,11 +22,11 @@ pub(crate) struct Eyes<'a> {
 /// One warp: reads the right responses at the present shifts, turns each orientation's phase
 /// difference into a component disparity (equation 2), fits the remaining shift to all of them
 /// (equation 3) and adds it (equation 4). Pixels without an answer keep their shift and get the
-/// reason.
+/// reason. `parent_dy` are the coarser scale's vertical shifts; none if the present ones still are those.
 pub(crate) fn refine(
     eyes: &Eyes<'_>,
     shifts: &mut Shifts,
-    parent_dy: &Array2<f32>,
+    parent_dy: Option<&Array2<f32>>,
     params: &MatchParams,
 ) {
     const CONTIGUOUS: &str = "planes are made in row-major order";
@@ -67,42 +55,43 @@ pub(crate) fn refine(
         .as_slice_mut()
         .expect(CONTIGUOUS)
         .par_chunks_mut(width);
-    let covariance: Vec<Option<&mut [FitCovariance]>> = match &mut shifts.covariance {
-        None => (0..parent_dy.dim().0).map(|_| None).collect(),
-        Some(plane) => {
-            let plane = plane.as_slice_mut().expect(CONTIGUOUS);
-            plane.chunks_mut(width).map(Some).collect()
-        }
-    };
+    let parent_dy = parent_dy.map(|plane| plane.as_slice().expect(CONTIGUOUS));
+    let parent_of = |y: usize| parent_dy.map(|plane| &plane[y * width..][..width]);
     let params = &MatchParams {
-        covariance: covariance.first().is_some_and(Option::is_some),
+        covariance: shifts.covariance.is_some(),
         ..*params
     };
-    let parent_dy = parent_dy.as_slice().expect(CONTIGUOUS).par_chunks(width);
-    (dx, dy, validity, residual, covariance, parent_dy)
-        .into_par_iter()
-        .enumerate()
-        .for_each_init(
-            || (Tile::new(), vec![0.0; TILE * 2 * eyes.waves.len()]),
-            |(tile, stretched), (y, (dx, dy, validity, residual, covariance, parent_dy))| {
-                let row = Row {
-                    eyes,
-                    warp: &warp,
-                    params,
-                    tile,
-                    y,
-                    dx,
-                    dy,
-                    validity,
-                    residual,
-                    covariance,
-                    parent_dy,
-                    stretch: stretch.as_ref(),
-                    stretched,
-                };
-                row.dispatch();
-            },
-        );
+    let room = || (Tile::new(), [0.0; TILE * 2 * MOST_ORIENTATIONS]);
+    let run = |(tile, stretched): &mut (Tile, [f32; _]), y, planes, covariance| {
+        let (dx, dy, validity, residual) = planes;
+        let row = Row {
+            eyes,
+            warp: &warp,
+            params,
+            tile,
+            y,
+            dx,
+            dy,
+            validity,
+            residual,
+            covariance,
+            parent_dy: parent_of(y),
+            stretch: stretch.as_ref(),
+            stretched,
+        };
+        row.dispatch();
+    };
+    let rows = (dx, dy, validity, residual).into_par_iter().enumerate();
+    match &mut shifts.covariance {
+        None => rows.for_each_init(room, |room, (y, planes)| run(room, y, planes, None)),
+        Some(plane) => {
+            let plane = plane.as_slice_mut().expect(CONTIGUOUS);
+            rows.zip(plane.par_chunks_mut(width))
+                .for_each_init(room, |room, ((y, planes), covariance)| {
+                    run(room, y, planes, Some(covariance));
+                });
+        }
+    }
 }
 
 /// One row's work.
@@ -117,7 +106,7 @@ struct Row<'a> {
     validity: &'a mut [Validity],
     residual: &'a mut [f32],
     covariance: Option<&'a mut [FitCovariance]>,
-    parent_dy: &'a [f32],
+    parent_dy: Option<&'a [f32]>,
     stretch: Option<&'a Stretch<'a>>,
     /// Room for a tile's left responses, stretched.
     stretched: &'a mut [f32],
@@ -184,8 +173,8 @@ impl<R: Reader> NullaryFnOnce for Compiled<'_, R> {
                 _ => &left[start * parts..],
             };
             reader.read(tile, (left, warp), at, shifts, params.energy_threshold);
-            let parent_dy = &whole(&parent_dy[here.clone()]);
-            let fit = tile.fit(reader.simd(), eyes.waves, (parent_dy, shifts.1), params);
+            let parent_dy = parent_dy.map_or(*shifts.1, |parent_dy| whole(&parent_dy[here.clone()]));
+            let fit = tile.fit(reader.simd(), eyes.waves, (&parent_dy, shifts.1), params);
             let verdicts = tile.verdicts(&fit, params, at, shifts, eyes.right.size());
             validity[here.clone()].copy_from_slice(&verdicts[..end - start]);
             residual[here.clone()].copy_from_slice(&fit.residual_px[..end - start]);

@@ -3,6 +3,7 @@ use v1_gabor::WaveVector;
 
 use crate::MatchParams;
 use crate::phase::cosine;
+use crate::rough::Rough;
 use crate::tile::{ByOrientation, TILE};
 use crate::vector::{store, vector};
 
@@ -22,6 +23,7 @@ const LEAST_ALONG_ROWS: f32 = 1e-2;
 
 /// The shift fitted to the phases of all orientations, for each pixel of a tile.
 #[derive(Default)]
+#[repr(align(64))]
 pub(crate) struct Fit {
     /// Shift along x in pixels; NaN if the orientations heard do not tell both components.
     pub(crate) ux: [f32; TILE],
@@ -48,7 +50,7 @@ pub(crate) struct Fit {
 /// orientation by `1 / (1 + (residual / 0.4 rad)^2)` again. `pull` is where the coarser scale would
 /// have the vertical component go.
 #[inline(always)]
-pub(crate) fn robust_fit<S: Simd>(
+pub(crate) fn robust_fit<S: Rough>(
     simd: S,
     (phase, weight): (&ByOrientation, &ByOrientation),
     waves: &[WaveVector],
@@ -64,7 +66,7 @@ pub(crate) fn robust_fit<S: Simd>(
 
 /// The same for the pixels from `start` on that a vector holds.
 #[inline(always)]
-fn fit_lanes<S: Simd>(
+fn fit_lanes<S: Rough>(
     simd: S,
     (phase, weight): (&ByOrientation, &ByOrientation),
     waves: &[WaveVector],
@@ -96,7 +98,8 @@ fn fit_lanes<S: Simd>(
             if round > 0 {
                 let left_over = left_over(simd, phase, (kx, ky), (ux, uy));
                 let ratio = simd.mul_f32s(left_over, simd.splat_f32s(1.0 / CAUCHY_RAD));
-                w = simd.div_f32s(w, simd.mul_add_e_f32s(ratio, ratio, one));
+                let doubt = simd.mul_add_e_f32s(ratio, ratio, one);
+                w = simd.mul_f32s(w, simd.rough_reciprocal(doubt));
                 if last {
                     let size = simd.abs_f32s(left_over);
                     let heard = simd.less_than_or_equal_f32s(size, simd.splat_f32s(DEAF_RAD));
@@ -141,7 +144,7 @@ fn fit_lanes<S: Simd>(
         yy = simd.add_f32s(yy, ridge);
         ry = simd.mul_add_e_f32s(ridge, pull, ry);
         // One division for both components; NaN where they cannot be told.
-        let inverse = simd.div_f32s(one, determinant(simd, xx, xy, yy));
+        let inverse = simd.quotient(one, determinant(simd, xx, xy, yy));
         let inverse = simd.select_f32s(told, inverse, simd.splat_f32s(f32::NAN));
         ux = simd.mul_f32s(determinant_of(simd, (rx, xy), (ry, yy)), inverse);
         uy = simd.mul_f32s(determinant_of(simd, (xx, rx), (xy, ry)), inverse);
@@ -161,7 +164,8 @@ fn fit_lanes<S: Simd>(
         heard = simd.add_f32s(heard, counts);
     }
     let explained = simd.mul_f32s(total, simd.splat_f32s(omega_squared));
-    let residual_px = simd.sqrt_f32s(simd.div_f32s(unexplained, explained));
+    let square = simd.mul_f32s(unexplained, simd.rough_reciprocal(explained));
+    let residual_px = simd.sqrt_f32s(square);
     if params.covariance {
         let entries = covariance(simd, &normal, (ux, uy), heard, params.rows_only);
         for i in 0..3 {
@@ -174,7 +178,7 @@ fn fit_lanes<S: Simd>(
         simd,
         &mut fit.coherence,
         start,
-        simd.div_f32s(agreement, total),
+        simd.quotient(agreement, total),
     );
     store(simd, &mut fit.residual_px, start, residual_px);
     store(simd, &mut fit.heard, start, heard);

@@ -9,13 +9,13 @@ const LEAST_HEARD: usize = 3;
 /// of them have the energy in both eyes, so that only the test for singularities took them away.
 /// `eyes` are the responses before that test.
 pub(crate) fn mark_singular(
-    field: DisparityField,
+    field: &mut DisparityField,
     eyes: &Binocular<V1Responses>,
     threshold: f32,
-) -> DisparityField {
+) {
     let finest = eyes.as_ref().map(|eye| &eye.scales()[0]);
     let size = field.size();
-    field.with_reasons(|x, y, Disparity { dx, dy, .. }| {
+    field.give_reasons(|x, y, Disparity { dx, dy, .. }| {
         // The nearest pixel of the other eye; the casts saturate, so the border stands for what
         // lies beyond it.
         let nearest = |at: f32, length: usize| (at.round() as usize).min(length - 1);
@@ -32,5 +32,5 @@ pub(crate) fn mark_singular(
         } else {
             Validity::Singular
         }
-    })
+    });
 }

@@ -4,6 +4,7 @@ use v1_gabor::{Size, WaveVector};
 
 use crate::phase::{angle, wrap};
 use crate::robust_fit::{Fit, robust_fit};
+use crate::rough::Rough;
 use crate::vector::{store, vector};
 use crate::warp::{Place, Warp};
 use crate::{MatchParams, Validity};
@@ -22,6 +23,7 @@ pub(crate) const MOST_ORIENTATIONS: usize = 32;
 pub(crate) type ByOrientation = [[f32; TILE]; MOST_ORIENTATIONS];
 
 /// A few neighbouring pixels of one row: everything the fit needs.
+#[repr(align(64))]
 pub(crate) struct Tile {
     /// Phase of the left response over the warped right one, in `[-pi, pi]`.
     pub(crate) phase: ByOrientation,
@@ -33,7 +35,7 @@ pub(crate) struct Tile {
 /// A way to read both eyes' responses for the pixels of a tile, in vectors of one kind.
 pub(crate) trait Reader: Copy {
     /// The vectors, which the fit works in too.
-    type Simd: Simd;
+    type Simd: Rough;
 
     fn simd(self) -> Self::Simd;
 
@@ -79,7 +81,7 @@ impl Tile {
     /// The remaining shift of each pixel: equation 3. `parent_dy` is the coarser scale's vertical
     /// shift, toward which the prior pulls.
     #[inline(always)]
-    pub(crate) fn fit<S: Simd>(
+    pub(crate) fn fit<S: Rough>(
         &self,
         simd: S,
         waves: &[WaveVector],
@@ -150,7 +152,7 @@ pub(crate) fn whole(shifts: &[f32]) -> [f32; TILE] {
     })
 }
 
-impl<const ORIENTATIONS: usize, S: Simd + Machine<SQUARE>> Reader for ByPixel<ORIENTATIONS, S> {
+impl<const ORIENTATIONS: usize, S: Rough + Machine<SQUARE>> Reader for ByPixel<ORIENTATIONS, S> {
     type Simd = S;
 
     #[inline(always)]
@@ -224,7 +226,7 @@ fn square_of(pixels: &mut [f32; TILE], first: usize) -> &mut [f32; SQUARE] {
 
 /// The phases and weights of the orientations from `group` on at one pixel.
 #[inline(always)]
-fn read_pixel<const ORIENTATIONS: usize, S: Simd>(
+fn read_pixel<const ORIENTATIONS: usize, S: Rough>(
     simd: S,
     left: &[f32],
     warp: &Warp<'_>,
@@ -247,37 +249,65 @@ fn read_pixel<const ORIENTATIONS: usize, S: Simd>(
         ];
         let (re, ro) = warp.read(simd, place, q, parts);
         let turn = warp.turn(simd, place, q);
-        let (phase, weight) = phase_and_weight(simd, (le, lo), (re, ro), turn, threshold);
+        let products = Products::new(simd, (le, lo), (re, ro));
+        let (phase, weight) = products.phase_and_weight(simd, turn, threshold);
         store(simd, &mut pixel.phase, lane, phase);
         store(simd, &mut pixel.weight, lane, weight);
     }
 }
 
-/// The phase of the left response over the right one, which is turned back by `turn`, and its
-/// weight; 0 where an eye's energy is below the threshold.
-///
-/// The phase is the numerator of equation 2. A product wraps by itself, so no two responses' angles
-/// are ever subtracted. The weight is the balance of the amplitudes,
-/// `|L R| / ((|L|^2 + |R|^2) / 2)`: one where both eyes see the same contrast, small where one of
-/// them sees something else.
-#[inline(always)]
-pub(crate) fn phase_and_weight<S: Simd>(
-    simd: S,
-    (le, lo): (S::f32s, S::f32s),
-    (re, ro): (S::f32s, S::f32s),
-    turn: S::f32s,
-    threshold: S::f32s,
-) -> (S::f32s, S::f32s) {
-    let even = simd.mul_add_e_f32s(le, re, simd.mul_f32s(lo, ro));
-    let odd = simd.sub_f32s(simd.mul_f32s(lo, re), simd.mul_f32s(le, ro));
-    let turned = simd.sub_f32s(angle(simd, odd, even), turn);
-    let left = simd.mul_add_e_f32s(le, le, simd.mul_f32s(lo, lo));
-    let right = simd.mul_add_e_f32s(re, re, simd.mul_f32s(ro, ro));
-    let mean = simd.mul_f32s(simd.splat_f32s(0.5), simd.add_f32s(left, right));
-    let balance = simd.div_f32s(simd.sqrt_f32s(simd.mul_f32s(left, right)), mean);
-    let heard = simd.less_than_f32s(threshold, simd.min_f32s(left, right));
-    let weight = simd.select_f32s(heard, balance, simd.splat_f32s(0.0));
-    (wrap(simd, turned), weight)
+/// What the responses of two eyes say to each other, for the orientations and pixels of a vector.
+#[derive(Clone, Copy)]
+pub(crate) struct Products<S: Simd> {
+    /// The left response times the conjugate right one, by its parts.
+    even: S::f32s,
+    odd: S::f32s,
+    /// The energies.
+    left: S::f32s,
+    right: S::f32s,
+}
+
+impl<S: Rough> Products<S> {
+    /// Of the even and odd parts of either eye.
+    #[inline(always)]
+    pub(crate) fn new(
+        simd: S,
+        (le, lo): (S::f32s, S::f32s),
+        (re, ro): (S::f32s, S::f32s),
+    ) -> Self {
+        Self {
+            even: simd.mul_add_e_f32s(le, re, simd.mul_f32s(lo, ro)),
+            odd: simd.negate_mul_add_e_f32s(le, ro, simd.mul_f32s(lo, re)),
+            left: simd.mul_add_e_f32s(le, le, simd.mul_f32s(lo, lo)),
+            right: simd.mul_add_e_f32s(re, re, simd.mul_f32s(ro, ro)),
+        }
+    }
+
+    /// The phase of the left response over the right one, which is turned back by `turn`, and its
+    /// weight; 0 where an eye's energy is below the threshold.
+    ///
+    /// The phase is the numerator of equation 2. A product wraps by itself, so no two responses'
+    /// angles are ever subtracted. The weight is the balance of the amplitudes,
+    /// `|L R| / ((|L|^2 + |R|^2) / 2)`: one where both eyes see the same contrast, small where one of
+    /// them sees something else.
+    #[inline(always)]
+    pub(crate) fn phase_and_weight(
+        self,
+        simd: S,
+        turn: S::f32s,
+        threshold: S::f32s,
+    ) -> (S::f32s, S::f32s) {
+        let turned = simd.sub_f32s(angle(simd, self.odd, self.even), turn);
+        let mean = simd.mul_f32s(
+            simd.splat_f32s(0.5),
+            simd.add_f32s(self.left, self.right),
+        );
+        let amplitudes = simd.rough_root(simd.mul_f32s(self.left, self.right));
+        let balance = simd.mul_f32s(amplitudes, simd.rough_reciprocal(mean));
+        let heard = simd.less_than_f32s(threshold, simd.min_f32s(self.left, self.right));
+        let weight = simd.select_f32s(heard, balance, simd.splat_f32s(0.0));
+        (wrap(simd, turned), weight)
+    }
 }
 
 /// Takes a pixel's samples to the parts of the orientations from `q` on that a vector holds; zeros

@@ -1,11 +1,12 @@
 /// Whether the disparity of a pixel is an answer, and if not, why not.
 ///
 /// A field holds a best guess at every pixel; this says how far the estimator stands behind it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Validity {
     /// The estimator stands behind the value.
     Valid,
     /// Too little contrast in too few orientations: a textureless place.
+    #[default]
     NoEnergy,
     /// Contrast enough, but too near to phase singularities in all but two orientations or fewer;
     /// only an estimator that tests for them

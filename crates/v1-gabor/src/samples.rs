@@ -1,3 +1,5 @@
+use crate::huge_pages;
+
 /// Bytes that a cache moves at a time.
 const LINE: usize = 64;
 
@@ -15,7 +17,8 @@ impl Samples {
     /// As many zeros.
     pub(crate) fn zeros(len: usize) -> Self {
         // Fresh zeros of the system, of which no page is touched yet.
-        let storage = vec![0.0f32; len + LINE / size_of::<f32>()];
+        let mut storage = vec![0.0f32; len + LINE / size_of::<f32>()];
+        huge_pages::ask(&mut storage);
         let start = storage.as_ptr().align_offset(LINE);
         // An allocator may, by its contract, not tell; the line is then only not met.
         let start = if start > storage.len() - len {
