@@ -6,8 +6,7 @@ use std::time::Duration;
 use anyhow::Context;
 use clap::Args;
 use disparity_pyramid::{
-    DenseMatcher, DenseParams, DisparityField, EyeView, MatchParams, MatchWorkspace, SearchRange,
-    estimate_into,
+    DenseMatcher, DenseParams, DisparityField, EyeView, MatchParams, SearchRange, VectorMatcher,
 };
 use indicatif::ProgressBar;
 use serde::Serialize;
@@ -219,9 +218,10 @@ struct Ours {
     bank: FilterBank,
     workspace: BankWorkspace,
     responses: Binocular<V1Responses>,
-    matching: MatchWorkspace,
+    /// One for each setting.
+    vector: BTreeMap<&'static str, VectorMatcher>,
     field: DisparityField,
-    matcher: DenseMatcher,
+    dense: DenseMatcher,
     search: SearchRange,
 }
 
@@ -229,16 +229,38 @@ impl Ours {
     fn plan(images: Binocular<LumaImage>) -> anyhow::Result<Self> {
         let size = images.left.size();
         let bank = FilterBank::plan(GaborParams::default().fitted_to(size), size)?;
+        let params = MatchParams::default();
+        let settings = [
+            (VECTOR, params),
+            (
+                NO_LOOK_BACK,
+                MatchParams {
+                    left_right_px: None,
+                    ..params
+                },
+            ),
+            (
+                ONE_WARP,
+                MatchParams {
+                    warps: 1,
+                    finest_warps: 1,
+                    ..params
+                },
+            ),
+        ];
+        let vector = settings
+            .into_iter()
+            .map(|(name, params)| Ok((name, VectorMatcher::plan(bank.clone(), params)?)));
         Ok(Self {
+            vector: vector.collect::<anyhow::Result<_>>()?,
             workspace: bank.workspace(),
             responses: Binocular {
                 left: bank.silence(),
                 right: bank.silence(),
             },
             bank,
-            matching: MatchWorkspace::new(),
             field: DisparityField::default(),
-            matcher: DenseMatcher::plan(DenseParams::fast(), size)?,
+            dense: DenseMatcher::plan(DenseParams::fast(), size)?,
             search: SearchRange::new(1 - SHIFTS as i32, 0)?,
             images,
         })
@@ -246,25 +268,17 @@ impl Ours {
 
     /// One run of the contestant of this name.
     fn run(&mut self, name: &str) -> anyhow::Result<()> {
-        let params = MatchParams::default();
-        match name {
-            RESPONSES => self.respond(),
-            VECTOR => self.look(params),
-            NO_LOOK_BACK => self.look(MatchParams {
-                left_right_px: None,
-                ..params
-            }),
-            ONE_WARP => self.look(MatchParams {
-                warps: 1,
-                finest_warps: 1,
-                ..params
-            }),
-            _ => {
-                let views = self.images.as_ref().map(|luma| EyeView { luma, rgb: None });
-                black_box(self.matcher.estimate(&views, self.search)?);
-                Ok(())
-            }
+        if let Some(matcher) = self.vector.get_mut(name) {
+            matcher.estimate_into(&self.images, &mut self.field)?;
+            black_box(&self.field);
+            return Ok(());
         }
+        if name == RESPONSES {
+            return self.respond();
+        }
+        let views = self.images.as_ref().map(|luma| EyeView { luma, rgb: None });
+        black_box(self.dense.estimate(&views, self.search)?);
+        Ok(())
     }
 
     fn respond(&mut self) -> anyhow::Result<()> {
@@ -277,13 +291,6 @@ impl Ours {
         } = self;
         bank.respond_into(&images.left, workspace, &mut responses.left)?;
         bank.respond_into(&images.right, workspace, &mut responses.right)?;
-        Ok(())
-    }
-
-    fn look(&mut self, params: MatchParams) -> anyhow::Result<()> {
-        self.respond()?;
-        estimate_into(&self.responses, params, &mut self.matching, &mut self.field)?;
-        black_box(&self.field);
         Ok(())
     }
 }

@@ -19,7 +19,7 @@ pub(crate) fn coarse_to_fine(
     (sizes, last): (&[Size], usize),
     start_px: (f32, f32),
     params: &MatchParams,
-    refine: impl Fn(usize, &mut Shifts, Option<&Array2<f32>>),
+    mut refine: impl FnMut(usize, &mut Shifts, Option<&Array2<f32>>),
 ) {
     track.fit(sizes, last);
     let coarsest = sizes.len() - 1;

@@ -1,9 +1,9 @@
 use ndarray::Array2;
-use v1_gabor::{Binocular, GaborParams, MonogenicParams, Responses, Size, V1Responses};
+use v1_gabor::{Binocular, GaborParams, MonogenicParams, Responses, Size, V1Responses, WrongSize};
 
 use crate::coarse_to_fine::coarse_to_fine;
-use crate::left_right::check;
 use crate::fill::fill;
+use crate::left_right::check;
 use crate::refine::{Eyes, refine};
 use crate::shift_covariance::pooled;
 use crate::shifts::Shifts;
@@ -37,6 +37,9 @@ pub enum Mismatch {
         /// Parameters of the right eye's bank.
         right: MonogenicParams,
     },
+    /// An image has another size than the matcher was planned for.
+    #[error(transparent)]
+    WrongSize(#[from] WrongSize),
     /// A parameter is not a number, or out of its range.
     #[error("{name} = {value} cannot be: {need}")]
     Parameter {
@@ -91,7 +94,7 @@ pub(crate) fn estimate_over(
     Ok(field)
 }
 
-fn estimate_scales_into(
+pub(crate) fn estimate_scales_into(
     eyes: &Binocular<V1Responses>,
     params: MatchParams,
     scales: usize,
@@ -124,15 +127,18 @@ fn estimate_scales_into(
         .map(Responses::size)
         .take(scales)
         .collect();
-    let warp =
-        |from: &V1Responses, to: &V1Responses, scale: usize, shifts: &mut Shifts, dy: Option<&_>| {
-            let eyes = Eyes {
-                left: &from.scales()[scale],
-                right: &to.scales()[scale],
-                waves: &waves,
-            };
-            refine(&eyes, shifts, dy, &params);
+    let warp = |from: &V1Responses,
+                to: &V1Responses,
+                scale: usize,
+                shifts: &mut Shifts,
+                dy: Option<&_>| {
+        let eyes = Eyes {
+            left: &from.scales()[scale],
+            right: &to.scales()[scale],
+            waves: &waves,
         };
+        refine(&eyes, shifts, dy, &params);
+    };
     both_ways(
         (workspace, field),
         &params,
@@ -155,8 +161,8 @@ pub(crate) fn both_ways(
     params: &MatchParams,
     sizes: &[Size],
     bank: Option<GaborParams>,
-    there: impl Fn(usize, &mut Shifts, Option<&Array2<f32>>) + Send,
-    back: impl Fn(usize, &mut Shifts, Option<&Array2<f32>>) + Send,
+    there: impl FnMut(usize, &mut Shifts, Option<&Array2<f32>>) + Send,
+    back: impl FnMut(usize, &mut Shifts, Option<&Array2<f32>>) + Send,
 ) {
     let (start_x, start_y) = params.zero_disparity_px;
     let MatchWorkspace {
@@ -194,7 +200,10 @@ pub(crate) fn both_ways(
         check(found, &mut field.confidence, (back, last), tolerance_px);
     }
     // The planes that the field had are the next pair's.
-    let planes = [(&mut field.dx, &mut found.dx), (&mut field.dy, &mut found.dy)];
+    let planes = [
+        (&mut field.dx, &mut found.dx),
+        (&mut field.dy, &mut found.dy),
+    ];
     for (given, found) in planes {
         exchange(given, found);
     }

@@ -43,7 +43,7 @@ pub fn estimate_from_votes(
             zero_disparity_px: start.map_or(params.zero_disparity_px, |start| start.shift_px),
             ..params
         };
-        Ok((estimate_over(eyes, params, scales)?, scales))
+        Ok::<_, Mismatch>((estimate_over(eyes, params, scales)?, scales))
     };
     let mut starts = CoarseVotes::count(eyes).map_or_else(Vec::new, |votes| {
         let middle = votes.middle();

@@ -2,7 +2,7 @@ use v1_gabor::{Binocular, MonogenicResponses, Size};
 
 use crate::estimate::both_ways;
 use crate::pooled_fit::pooled_refine;
-use crate::{DisparityField, MatchWorkspace, MatchParams, Mismatch};
+use crate::{DisparityField, MatchParams, MatchWorkspace, Mismatch};
 
 /// The vector disparity of every pixel of the left image, from the monogenic responses of both
 /// eyes: [`estimate`](crate::estimate) for filters that know one orientation a pixel.
@@ -42,11 +42,14 @@ pub fn estimate_monogenic(
     }
     let omega = left.params().peak_frequency;
     let sizes: Vec<Size> = left.scales().iter().map(|scale| scale.size()).collect();
-    let warp =
-        |from: &MonogenicResponses, to: &MonogenicResponses, scale, shifts: &mut _, dy: Option<&_>| {
-            let eyes = (&from.scales()[scale], &to.scales()[scale]);
-            pooled_refine(eyes, omega, shifts, dy, &params);
-        };
+    let warp = |from: &MonogenicResponses,
+                to: &MonogenicResponses,
+                scale,
+                shifts: &mut _,
+                dy: Option<&_>| {
+        let eyes = (&from.scales()[scale], &to.scales()[scale]);
+        pooled_refine(eyes, omega, shifts, dy, &params);
+    };
     let mut field = DisparityField::default();
     both_ways(
         (&mut MatchWorkspace::new(), &mut field),

@@ -45,26 +45,21 @@ pub(crate) fn fill(
         .par_chunks_mut(width)
         .zip(confidence.par_chunks_mut(width))
         .enumerate()
-        .for_each_init(
-            || Columns::new(width),
-            |columns, (y, (validity, confidence))| {
-                Arch::new().dispatch(Row {
-                    columns,
-                    rows: around(y, height),
-                    y,
-                    ones,
-                    residual,
-                    least,
-                    validity,
-                    confidence,
-                });
-            },
-        );
+        .for_each(|(y, (validity, confidence))| {
+            Arch::new().dispatch(Row {
+                rows: around(y, height),
+                y,
+                ones,
+                residual,
+                least,
+                validity,
+                confidence,
+            });
+        });
 }
 
 /// One row's work.
 struct Row<'a> {
-    columns: &'a mut Columns,
     /// The rows that windows around this one reach.
     rows: Range<usize>,
     y: usize,
@@ -84,7 +79,6 @@ impl WithSimd for Row<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let Row {
-            columns,
             rows,
             y,
             ones,
@@ -95,22 +89,29 @@ impl WithSimd for Row<'_> {
         } = self;
         let width = validity.len();
         let row = |y: usize| y * width..(y + 1) * width;
-        columns.clear();
-        for y in rows {
-            columns.add(&ones[row(y)], &residual[row(y)]);
-        }
-        columns.count_windows();
         let own = confidence.iter_mut().zip(&residual[row(y)]);
         for ((confidence, &residual), &one) in own.zip(&ones[row(y)]) {
             *confidence = heard(one, sureness(residual));
         }
-        let asking = validity.iter_mut().zip(confidence).enumerate();
-        for (x, (validity, confidence)) in asking {
-            let asks = matches!(validity, Validity::NoEnergy | Validity::Incoherent);
-            if asks && columns.windows[x] >= least {
-                *validity = Validity::Valid;
-                let sum: f32 = columns.sums[x..=x + 2 * REACH].iter().sum();
-                *confidence = sureness(sum / f32::from(columns.windows[x]));
+        let strips = validity.chunks_mut(STRIP).zip(confidence.chunks_mut(STRIP));
+        for (strip, (validity, confidence)) in strips.enumerate() {
+            let mut columns = Columns::NONE;
+            let start = strip * STRIP;
+            let (first, last) = (start.saturating_sub(REACH), start + validity.len() + REACH);
+            for y in rows.clone() {
+                let here = y * width + first..y * width + last.min(width);
+                let place = first + REACH - start;
+                columns.add(&ones[here.clone()], &residual[here], place);
+            }
+            columns.count_windows();
+            let asking = validity.iter_mut().zip(confidence).enumerate();
+            for (x, (validity, confidence)) in asking {
+                let asks = matches!(validity, Validity::NoEnergy | Validity::Incoherent);
+                if asks && columns.windows[x] >= least {
+                    *validity = Validity::Valid;
+                    let sum: f32 = columns.sums[x..=x + 2 * REACH].iter().sum();
+                    *confidence = sureness(sum / f32::from(columns.windows[x]));
+                }
             }
         }
     }
@@ -128,45 +129,41 @@ fn heard(one: u8, number: f32) -> f32 {
     if one == 1 { number } else { 0.0 }
 }
 
-/// What the rows about one of them hold, column by column, with nothing beyond either end.
+/// Pixels whose windows are counted at a time.
+const STRIP: usize = 256;
+
+/// What the rows about one of them hold, column by column from [`REACH`] before a strip to as far
+/// behind it, with nothing beyond either end of a row.
 struct Columns {
     /// How many of each column are valid.
-    counts: Vec<u8>,
+    counts: [u8; STRIP + 2 * REACH],
     /// The sum of what these leave unexplained.
-    sums: Vec<f32>,
+    sums: [f32; STRIP + 2 * REACH],
     /// How many of the window around each pixel are valid.
-    windows: Vec<u8>,
+    windows: [u8; STRIP],
 }
 
 impl Columns {
-    fn new(width: usize) -> Self {
-        Self {
-            counts: vec![0; width + 2 * REACH],
-            sums: vec![0.0; width + 2 * REACH],
-            windows: vec![0; width],
-        }
-    }
+    const NONE: Self = Self {
+        counts: [0; STRIP + 2 * REACH],
+        sums: [0.0; STRIP + 2 * REACH],
+        windows: [0; STRIP],
+    };
 
+    /// Adds part of a row, whose first pixel belongs to the column of this number.
     #[inline(always)]
-    fn clear(&mut self) {
-        self.counts.fill(0);
-        self.sums.fill(0.0);
-    }
-
-    #[inline(always)]
-    fn add(&mut self, ones: &[u8], residual: &[f32]) {
-        for (count, one) in self.counts[REACH..].iter_mut().zip(ones) {
+    fn add(&mut self, ones: &[u8], residual: &[f32], first: usize) {
+        for (count, one) in self.counts[first..].iter_mut().zip(ones) {
             *count += one;
         }
         let numbers = residual.iter().zip(ones);
-        for (sum, (&residual, &one)) in self.sums[REACH..].iter_mut().zip(numbers) {
+        for (sum, (&residual, &one)) in self.sums[first..].iter_mut().zip(numbers) {
             *sum += heard(one, residual);
         }
     }
 
     #[inline(always)]
     fn count_windows(&mut self) {
-        self.windows.fill(0);
         for offset in 0..=2 * REACH {
             for (window, count) in self.windows.iter_mut().zip(&self.counts[offset..]) {
                 *window += count;

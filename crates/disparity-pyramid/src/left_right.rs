@@ -28,7 +28,12 @@ pub(crate) fn check(
         .as_slice_mut()
         .expect(CONTIGUOUS)
         .par_chunks_mut(width)
-        .zip(confidence.as_slice_mut().expect(CONTIGUOUS).par_chunks_mut(width))
+        .zip(
+            confidence
+                .as_slice_mut()
+                .expect(CONTIGUOUS)
+                .par_chunks_mut(width),
+        )
         .zip(numbers(&there.dx).par_chunks(width))
         .zip(numbers(&there.dy).par_chunks(width))
         .enumerate()
@@ -111,7 +116,10 @@ impl Row<'_> {
             *place = row * self.back_size.0 as u32 + column;
         }
         let (mut back_dx, mut back_dy) = ([0.0; CHUNK], [0.0; CHUNK]);
-        let ends = back_dx.iter_mut().zip(&mut back_dy).zip(&places[..dx.len()]);
+        let ends = back_dx
+            .iter_mut()
+            .zip(&mut back_dy)
+            .zip(&places[..dx.len()]);
         for ((back_dx, back_dy), &place) in ends {
             *back_dx = self.back.0[place as usize];
             *back_dy = self.back.1[place as usize];
@@ -135,10 +143,18 @@ impl Row<'_> {
             let verdict = if returns { Validity::Valid } else { refusal };
             let verdict = if inside { verdict } else { Validity::OutOfView };
             // What is unknown already keeps its reason.
-            *validity = if validity.is_valid() { verdict } else { *validity };
+            *validity = if validity.is_valid() {
+                verdict
+            } else {
+                *validity
+            };
         }
         for (confidence, validity) in confidence.iter_mut().zip(validity) {
-            *confidence = if validity.is_valid() { *confidence } else { 0.0 };
+            *confidence = if validity.is_valid() {
+                *confidence
+            } else {
+                0.0
+            };
         }
     }
 }

@@ -56,6 +56,7 @@ mod between;
 mod coarse_to_fine;
 mod dense;
 mod disparity_field;
+mod doubled;
 mod estimate;
 mod estimate_from_votes;
 mod estimate_monogenic;
@@ -76,6 +77,7 @@ mod phase;
 mod pooled_fit;
 mod population;
 mod refine;
+mod refine_rows;
 mod robust_fit;
 mod rough;
 mod shift_covariance;
@@ -87,6 +89,7 @@ mod tile;
 mod track;
 mod validity;
 mod vector;
+mod vector_matcher;
 mod warp;
 
 pub use dense::{
@@ -106,3 +109,4 @@ pub use population::{Population, binocular_energy};
 pub use shift_covariance::ShiftCovariance;
 pub use start::{CoarseVotes, Start};
 pub use validity::Validity;
+pub use vector_matcher::VectorMatcher;

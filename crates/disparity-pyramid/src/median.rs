@@ -76,9 +76,25 @@ struct Padded {
     numbers: Vec<f32>,
     /// Blocks of [`MOST_LANES`] numbers to a row.
     blocks: usize,
-    /// Whether some value of each block is unknown. Most windows have none, and nothing is replaced
-    /// there.
-    unknown: Vec<bool>,
+    /// What is in each block.
+    known: Vec<Known>,
+}
+
+/// How much of a block of values is known. Most windows are known altogether, and nothing is replaced
+/// there; of an empty wall nothing is, and nothing is done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Known {
+    /// Whether some value is.
+    some: bool,
+    /// Whether every value is.
+    all: bool,
+}
+
+impl Known {
+    const NONE: Self = Self {
+        some: false,
+        all: false,
+    };
 }
 
 impl Padded {
@@ -98,16 +114,16 @@ impl Padded {
             stride,
             numbers: vec![f32::NAN; stride * rows],
             blocks,
-            unknown: vec![true; blocks * rows],
+            known: vec![Known::NONE; blocks * rows],
         }
     }
 
-    /// The rows of the plane, and whether the blocks of each hold unknown values.
-    fn rows_mut(&mut self) -> impl IndexedParallelIterator<Item = (&mut [f32], &mut [bool])> {
+    /// The rows of the plane, and what is in the blocks of each.
+    fn rows_mut(&mut self) -> impl IndexedParallelIterator<Item = (&mut [f32], &mut [Known])> {
         let (reach, height) = (self.reach, self.size.height);
         self.numbers
             .par_chunks_mut(self.stride)
-            .zip(self.unknown.par_chunks_mut(self.blocks))
+            .zip(self.known.par_chunks_mut(self.blocks))
             .skip(reach)
             .take(height)
     }
@@ -118,7 +134,7 @@ impl Padded {
         self.rows_mut()
             .zip(plane.par_chunks(width))
             .enumerate()
-            .for_each(|(y, ((numbers, unknown), row))| {
+            .for_each(|(y, ((numbers, known), row))| {
                 let inner = &mut numbers[reach..reach + width];
                 match validity {
                     None => inner.copy_from_slice(row),
@@ -129,7 +145,7 @@ impl Padded {
                         }
                     }
                 }
-                note_unknown(numbers, unknown);
+                note_known(numbers, known);
             });
     }
 
@@ -146,9 +162,9 @@ impl Padded {
         let inner = self.reach..self.reach + self.size.width;
         out.rows_mut()
             .enumerate()
-            .for_each(|(y, (numbers, unknown))| {
+            .for_each(|(y, (numbers, known))| {
                 self.filter_row(y, &mut numbers[inner.clone()], false);
-                note_unknown(numbers, unknown);
+                note_known(numbers, known);
             });
     }
 
@@ -156,7 +172,7 @@ impl Padded {
         Arch::new().dispatch(Row {
             rows: &self.numbers[y * self.stride..],
             stride: self.stride,
-            unknown: &self.unknown[y * self.blocks..],
+            known: &self.known[y * self.blocks..],
             blocks: self.blocks,
             radius: self.radius,
             keep,
@@ -165,11 +181,16 @@ impl Padded {
     }
 }
 
-/// Notes which blocks of a row hold unknown values.
-fn note_unknown(numbers: &[f32], unknown: &mut [bool]) {
+/// Notes how much of each block of a row is known.
+fn note_known(numbers: &[f32], known: &mut [Known]) {
     let (blocks, _) = numbers.as_chunks::<MOST_LANES>();
-    for (block, unknown) in blocks.iter().zip(unknown) {
-        *unknown = block.iter().fold(false, |any, value| any | value.is_nan());
+    for (block, known) in blocks.iter().zip(known) {
+        let unknown = |any, value: &f32| any | value.is_nan();
+        let heard = |any, value: &f32| any | !value.is_nan();
+        *known = Known {
+            some: block.iter().fold(false, heard),
+            all: !block.iter().fold(false, unknown),
+        };
     }
 }
 
@@ -178,8 +199,8 @@ struct Row<'a> {
     /// The padded plane from the first row of the windows on.
     rows: &'a [f32],
     stride: usize,
-    /// Whether each [`MOST_LANES`] values of a row hold an unknown one, from the same row on.
-    unknown: &'a [bool],
+    /// What is in each [`MOST_LANES`] values of a row, from the same row on.
+    known: &'a [Known],
     /// How many of them there are to a row.
     blocks: usize,
     radius: MedianRadius,
@@ -199,19 +220,24 @@ const STRIP: usize = 256;
 struct Columns([[f32; STRIP + MOST_LANES]; SIDE]);
 
 impl Row<'_> {
-    /// Whether some value of the windows that begin in each block of columns is unknown, or may be:
-    /// they end in the next one.
+    /// How much is known of the windows that begin in each block of columns, and end in the next.
     #[inline(always)]
-    fn note_unknown(&self, first: usize, blocks: &mut [bool; STRIP / MOST_LANES]) {
-        let mut columns = [false; STRIP / MOST_LANES + 1];
+    fn note_windows(&self, first: usize, windows: &mut [Known; STRIP / MOST_LANES]) {
+        let everything = Known {
+            some: false,
+            all: true,
+        };
+        let mut columns = [everything; STRIP / MOST_LANES + 1];
         for y in 0..SIDE {
-            let row = &self.unknown[y * self.blocks + first..(y + 1) * self.blocks];
-            for (column, &unknown) in columns.iter_mut().zip(row) {
-                *column |= unknown;
+            let row = &self.known[y * self.blocks + first..(y + 1) * self.blocks];
+            for (column, known) in columns.iter_mut().zip(row) {
+                column.some |= known.some;
+                column.all &= known.all;
             }
         }
-        for (block, [here, next]) in blocks.iter_mut().zip(columns.array_windows()) {
-            *block = here | next;
+        for (window, [here, next]) in windows.iter_mut().zip(columns.array_windows()) {
+            window.some = here.some | next.some;
+            window.all = here.all & next.all;
         }
     }
 
@@ -295,17 +321,20 @@ impl WithSimd for Row<'_> {
             return;
         }
         let mut columns = Columns([[0.0; STRIP + MOST_LANES]; SIDE]);
-        let mut unknown = [false; STRIP / MOST_LANES];
+        let mut windows = [Known::NONE; STRIP / MOST_LANES];
         for (strip, out) in out.chunks_mut(STRIP).enumerate() {
             let start = strip * STRIP;
             let shared = out.len().next_multiple_of(MOST_LANES) + MOST_LANES;
             for at in (0..shared).step_by(S::F32_LANES) {
                 self.sort_columns(simd, start + at, &mut columns, at);
             }
-            self.note_unknown(start / MOST_LANES, &mut unknown);
+            self.note_windows(start / MOST_LANES, &mut windows);
             for (block, out) in out.chunks_mut(S::F32_LANES).enumerate() {
                 let at = block * S::F32_LANES;
-                let medians = if unknown[at / MOST_LANES] {
+                let known_here = windows[at / MOST_LANES];
+                let medians = if !known_here.some {
+                    simd.splat_f32s(f32::NAN)
+                } else if !known_here.all {
                     let window = self.window::<S, SIDE, 25>(simd, start + at);
                     known(simd, median_of_25(simd, balanced(simd, window)))
                 } else {

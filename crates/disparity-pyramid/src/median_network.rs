@@ -54,7 +54,7 @@ pub(crate) fn sorted_5<S: Simd>(simd: S, mut values: [S::f32s; 5]) -> [S::f32s; 
 /// the exchanges that no input of zeros and ones needs.
 #[inline(always)]
 pub(crate) fn median_of_5_columns<S: Simd>(simd: S, mut values: [S::f32s; 25]) -> S::f32s {
-    exchange!(simd, values: 
+    exchange!(simd, values:
             0 3, 1 3, 0 1, 2 4, 1 2, 3 4, 2 3, 5 8, 5 7, 6 8, 5 6, 7 9, 6 7, 8 9, 7 8, 10 13, 11 14,
             10 12, 10 11, 12 14, 13 14, 16 19, 15 17, 16 18, 15 16, 17 19, 16 17, 17 18, 20 23, 21
             24, 20 22, 21 23, 20 21, 22 24, 21 22, 7 15, 21 3, 8 17, 11 20, 13 12, 15 3, 8 16, 11
@@ -132,7 +132,10 @@ mod tests {
             let median = median_of_5_columns(simd, std::array::from_fn(value));
             // The bits of the first number, in the order that they happen to have.
             let bit = |i: usize| simd.splat_f32s(f32::from((ones[0] * 6 + ones[1] >> i & 1) as u8));
-            (first(median), sorted_5(simd, std::array::from_fn(bit)).map(first))
+            (
+                first(median),
+                sorted_5(simd, std::array::from_fn(bit)).map(first),
+            )
         }
     }
 

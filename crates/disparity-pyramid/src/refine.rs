@@ -6,10 +6,10 @@ use v1_gabor::{Responses, WaveVector};
 #[cfg(target_arch = "x86_64")]
 use crate::pair_read::ByPair;
 use crate::shift_covariance::FitCovariance;
-use crate::stretch::Stretch;
 use crate::shifts::Shifts;
+use crate::stretch::Stretch;
 use crate::tile::{ByPixel, MOST_ORIENTATIONS, Reader, TILE, Tile, whole};
-use crate::warp::Warp;
+use crate::warp::{Carriers, Warp};
 use crate::{MatchParams, Validity};
 
 /// The two eyes at one scale.
@@ -30,7 +30,8 @@ pub(crate) fn refine(
     params: &MatchParams,
 ) {
     const CONTIGUOUS: &str = "planes are made in row-major order";
-    let warp = Warp::new(eyes.right, eyes.waves);
+    let carriers = Carriers::new(eyes.waves);
+    let warp = Warp::new(eyes.right, &carriers);
     let stretch = params
         .slants
         .then(|| Stretch::new(eyes.left, &shifts.dx, &shifts.dy));
@@ -64,8 +65,10 @@ pub(crate) fn refine(
     let room = || (Tile::new(), [0.0; TILE * 2 * MOST_ORIENTATIONS]);
     let run = |(tile, stretched): &mut (Tile, [f32; _]), y, planes, covariance| {
         let (dx, dy, validity, residual) = planes;
+        let parts = width * 2 * eyes.waves.len();
         let row = Row {
-            eyes,
+            left: &eyes.left.samples()[y * parts..][..parts],
+            waves: eyes.waves,
             warp: &warp,
             params,
             tile,
@@ -86,36 +89,42 @@ pub(crate) fn refine(
         None => rows.for_each_init(room, |room, (y, planes)| run(room, y, planes, None)),
         Some(plane) => {
             let plane = plane.as_slice_mut().expect(CONTIGUOUS);
-            rows.zip(plane.par_chunks_mut(width))
-                .for_each_init(room, |room, ((y, planes), covariance)| {
+            rows.zip(plane.par_chunks_mut(width)).for_each_init(
+                room,
+                |room, ((y, planes), covariance)| {
                     run(room, y, planes, Some(covariance));
-                });
+                },
+            );
         }
     }
 }
 
 /// One row's work.
-struct Row<'a> {
-    eyes: &'a Eyes<'a>,
-    warp: &'a Warp<'a>,
-    params: &'a MatchParams,
-    tile: &'a mut Tile,
-    y: usize,
-    dx: &'a mut [f32],
-    dy: &'a mut [f32],
-    validity: &'a mut [Validity],
-    residual: &'a mut [f32],
-    covariance: Option<&'a mut [FitCovariance]>,
-    parent_dy: Option<&'a [f32]>,
-    stretch: Option<&'a Stretch<'a>>,
+pub(crate) struct Row<'a> {
+    /// The left eye's samples of the row.
+    pub(crate) left: &'a [f32],
+    pub(crate) waves: &'a [WaveVector],
+    /// The right eye's samples, of those rows at least that the shifts lead to.
+    pub(crate) warp: &'a Warp<'a>,
+    pub(crate) params: &'a MatchParams,
+    pub(crate) tile: &'a mut Tile,
+    pub(crate) y: usize,
+    pub(crate) dx: &'a mut [f32],
+    pub(crate) dy: &'a mut [f32],
+    pub(crate) validity: &'a mut [Validity],
+    pub(crate) residual: &'a mut [f32],
+    pub(crate) covariance: Option<&'a mut [FitCovariance]>,
+    /// The coarser scale's vertical shifts, if they are not the present ones.
+    pub(crate) parent_dy: Option<&'a [f32]>,
+    pub(crate) stretch: Option<&'a Stretch<'a>>,
     /// Room for a tile's left responses, stretched.
-    stretched: &'a mut [f32],
+    pub(crate) stretched: &'a mut [f32],
 }
 
 impl Row<'_> {
     /// Runs the row in the machine's vectors.
-    fn dispatch(self) {
-        let orientations = self.eyes.waves.len();
+    pub(crate) fn dispatch(self) {
+        let orientations = self.waves.len();
         // The paper's number of orientations is known to the compiler.
         match (Arch::new(), orientations) {
             #[cfg(target_arch = "x86_64")]
@@ -143,7 +152,8 @@ impl<R: Reader> NullaryFnOnce for Compiled<'_, R> {
     #[inline(always)]
     fn call(self) {
         let Row {
-            eyes,
+            left,
+            waves,
             warp,
             params,
             tile,
@@ -158,8 +168,7 @@ impl<R: Reader> NullaryFnOnce for Compiled<'_, R> {
             stretched,
         } = self.0;
         let reader = self.1;
-        let parts = 2 * eyes.waves.len();
-        let left = &eyes.left.samples()[y * dx.len() * parts..][..dx.len() * parts];
+        let parts = 2 * waves.len();
         for start in (0..dx.len()).step_by(TILE) {
             let end = (start + TILE).min(dx.len());
             let here = start..end;
@@ -173,9 +182,10 @@ impl<R: Reader> NullaryFnOnce for Compiled<'_, R> {
                 _ => &left[start * parts..],
             };
             reader.read(tile, (left, warp), at, shifts, params.energy_threshold);
-            let parent_dy = parent_dy.map_or(*shifts.1, |parent_dy| whole(&parent_dy[here.clone()]));
-            let fit = tile.fit(reader.simd(), eyes.waves, (&parent_dy, shifts.1), params);
-            let verdicts = tile.verdicts(&fit, params, at, shifts, eyes.right.size());
+            let parent_dy =
+                parent_dy.map_or(*shifts.1, |parent_dy| whole(&parent_dy[here.clone()]));
+            let fit = tile.fit(reader.simd(), waves, (&parent_dy, shifts.1), params);
+            let verdicts = tile.verdicts(&fit, params, at, shifts, warp.size);
             validity[here.clone()].copy_from_slice(&verdicts[..end - start]);
             residual[here.clone()].copy_from_slice(&fit.residual_px[..end - start]);
             add(&mut dx[here.clone()], &fit.ux, &verdicts);

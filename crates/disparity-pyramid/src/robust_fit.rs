@@ -2,10 +2,9 @@ use pulp::Simd;
 use v1_gabor::WaveVector;
 
 use crate::MatchParams;
-use crate::phase::cosine;
+use crate::doubled::Doubled;
 use crate::rough::Rough;
 use crate::tile::{ByOrientation, TILE};
-use crate::vector::{store, vector};
 
 /// Residual phase at which an orientation's weight has fallen to half, in radians.
 const CAUCHY_RAD: f32 = 0.4;
@@ -58,13 +57,13 @@ pub(crate) fn robust_fit<S: Rough>(
     params: &MatchParams,
 ) -> Fit {
     let mut fit = Fit::default();
-    for start in (0..TILE).step_by(S::F32_LANES) {
+    for start in (0..TILE).step_by(2 * S::F32_LANES) {
         fit_lanes(simd, (phase, weight), waves, pull, params, start, &mut fit);
     }
     fit
 }
 
-/// The same for the pixels from `start` on that a vector holds.
+/// The same for the pixels from `start` on that two vectors hold.
 #[inline(always)]
 fn fit_lanes<S: Rough>(
     simd: S,
@@ -75,11 +74,12 @@ fn fit_lanes<S: Rough>(
     start: usize,
     fit: &mut Fit,
 ) {
-    let (zero, one) = (simd.splat_f32s(0.0), simd.splat_f32s(1.0));
+    let splat = |value| Doubled::splat(simd, value);
+    let (zero, one) = (splat(0.0), splat(1.0));
     let omega_squared = waves[0].x * waves[0].x + waves[0].y * waves[0].y;
-    let pull = vector(simd, pull, start);
+    let pull = Doubled::load(simd, pull, start);
     let (mut ux, mut uy) = (zero, zero);
-    let mut normal = Normal::<S> {
+    let mut normal = Normal {
         squares: zero,
         xx: zero,
         xy: zero,
@@ -92,34 +92,32 @@ fn fit_lanes<S: Rough>(
         let (mut xx, mut xy, mut yy) = (zero, zero, zero);
         let (mut rx, mut ry, mut squares) = (zero, zero, zero);
         for (q, k) in waves.iter().enumerate() {
-            let (kx, ky) = (simd.splat_f32s(k.x), simd.splat_f32s(k.y));
-            let phase = vector(simd, &phase[q], start);
-            let mut w = vector(simd, &weight[q], start);
+            let (kx, ky) = (splat(k.x), splat(k.y));
+            let phase = Doubled::load(simd, &phase[q], start);
+            let mut w = Doubled::load(simd, &weight[q], start);
             if round > 0 {
                 let left_over = left_over(simd, phase, (kx, ky), (ux, uy));
-                let ratio = simd.mul_f32s(left_over, simd.splat_f32s(1.0 / CAUCHY_RAD));
-                let doubt = simd.mul_add_e_f32s(ratio, ratio, one);
-                w = simd.mul_f32s(w, simd.rough_reciprocal(doubt));
+                let ratio = left_over.mul(simd, splat(1.0 / CAUCHY_RAD));
+                let doubt = ratio.mul_add(simd, ratio, one);
+                w = w.mul(simd, doubt.rough_reciprocal(simd));
                 if last {
-                    let size = simd.abs_f32s(left_over);
-                    let heard = simd.less_than_or_equal_f32s(size, simd.splat_f32s(DEAF_RAD));
-                    w = simd.select_f32s(heard, w, zero);
+                    let heard = left_over.abs(simd).at_most(simd, splat(DEAF_RAD));
+                    w = heard.select(simd, w, zero);
                 }
             }
-            let (wx, wy) = (simd.mul_f32s(w, kx), simd.mul_f32s(w, ky));
-            xx = simd.mul_add_e_f32s(wx, kx, xx);
-            xy = simd.mul_add_e_f32s(wx, ky, xy);
-            yy = simd.mul_add_e_f32s(wy, ky, yy);
-            rx = simd.mul_add_e_f32s(wx, phase, rx);
-            ry = simd.mul_add_e_f32s(wy, phase, ry);
+            let (wx, wy) = (w.mul(simd, kx), w.mul(simd, ky));
+            xx = wx.mul_add(simd, kx, xx);
+            xy = wx.mul_add(simd, ky, xy);
+            yy = wy.mul_add(simd, ky, yy);
+            rx = wx.mul_add(simd, phase, rx);
+            ry = wy.mul_add(simd, phase, ry);
             if params.covariance && last {
-                let square = simd.mul_f32s(phase, phase);
-                squares = simd.mul_add_e_f32s(w, square, squares);
+                squares = w.mul_add(simd, phase.mul(simd, phase), squares);
             }
         }
         // Every wave vector has the same length, so the trace is the sum of weights times its
         // square.
-        let trace = simd.add_f32s(xx, yy);
+        let trace = xx.add(simd, yy);
         normal = Normal {
             squares,
             xx,
@@ -129,81 +127,69 @@ fn fit_lanes<S: Rough>(
             ry,
         };
         if params.rows_only {
-            let least = simd.mul_f32s(trace, simd.splat_f32s(LEAST_ALONG_ROWS));
-            let told = simd.less_than_f32s(least, xx);
-            ux = simd.select_f32s(told, simd.div_f32s(rx, xx), simd.splat_f32s(f32::NAN));
+            let least = trace.mul(simd, splat(LEAST_ALONG_ROWS));
+            let told = least.less_than(simd, xx);
+            ux = told.select(simd, rx.quotient(simd, xx), splat(f32::NAN));
             continue;
         }
-        let least = simd.mul_f32s(
-            simd.splat_f32s(LEAST_DETERMINANT),
-            simd.mul_f32s(trace, trace),
-        );
-        let plain = determinant(simd, xx, xy, yy);
-        let told = simd.less_than_f32s(least, plain);
-        let ridge = simd.mul_f32s(simd.splat_f32s(params.vertical_prior), trace);
-        yy = simd.add_f32s(yy, ridge);
-        ry = simd.mul_add_e_f32s(ridge, pull, ry);
+        let least = trace.mul(simd, trace).mul(simd, splat(LEAST_DETERMINANT));
+        let told = least.less_than(simd, determinant(simd, xx, xy, yy));
+        let ridge = trace.mul(simd, splat(params.vertical_prior));
+        yy = yy.add(simd, ridge);
+        ry = ridge.mul_add(simd, pull, ry);
         // One division for both components; NaN where they cannot be told.
-        let inverse = simd.quotient(one, determinant(simd, xx, xy, yy));
-        let inverse = simd.select_f32s(told, inverse, simd.splat_f32s(f32::NAN));
-        ux = simd.mul_f32s(determinant_of(simd, (rx, xy), (ry, yy)), inverse);
-        uy = simd.mul_f32s(determinant_of(simd, (xx, rx), (xy, ry)), inverse);
+        let inverse = one.quotient(simd, determinant(simd, xx, xy, yy));
+        let inverse = told.select(simd, inverse, splat(f32::NAN));
+        ux = determinant_of(simd, (rx, xy), (ry, yy)).mul(simd, inverse);
+        uy = determinant_of(simd, (xx, rx), (xy, ry)).mul(simd, inverse);
     }
     let (mut agreement, mut unexplained, mut heard) = (zero, zero, zero);
-    let mut total = simd.splat_f32s(f32::MIN_POSITIVE);
+    let mut total = splat(f32::MIN_POSITIVE);
     for (q, k) in waves.iter().enumerate() {
-        let (kx, ky) = (simd.splat_f32s(k.x), simd.splat_f32s(k.y));
-        let phase = vector(simd, &phase[q], start);
-        let w = vector(simd, &weight[q], start);
-        let left_over = left_over(simd, phase, (kx, ky), (ux, uy));
-        agreement = simd.mul_add_e_f32s(w, cosine(simd, left_over), agreement);
-        let square = simd.mul_f32s(left_over, left_over);
-        unexplained = simd.mul_add_e_f32s(w, square, unexplained);
-        total = simd.add_f32s(total, w);
-        let counts = simd.select_f32s(simd.less_than_f32s(zero, w), one, zero);
-        heard = simd.add_f32s(heard, counts);
+        let phase = Doubled::load(simd, &phase[q], start);
+        let w = Doubled::load(simd, &weight[q], start);
+        let left_over = left_over(simd, phase, (splat(k.x), splat(k.y)), (ux, uy));
+        agreement = w.mul_add(simd, left_over.cosine(simd), agreement);
+        unexplained = w.mul_add(simd, left_over.mul(simd, left_over), unexplained);
+        total = total.add(simd, w);
+        heard = heard.add(simd, zero.less_than(simd, w).select(simd, one, zero));
     }
-    let explained = simd.mul_f32s(total, simd.splat_f32s(omega_squared));
-    let square = simd.mul_f32s(unexplained, simd.rough_reciprocal(explained));
-    let residual_px = simd.sqrt_f32s(square);
+    let explained = total.mul(simd, splat(omega_squared));
+    let square = unexplained.mul(simd, explained.rough_reciprocal(simd));
     if params.covariance {
         let entries = covariance(simd, &normal, (ux, uy), heard, params.rows_only);
-        for i in 0..3 {
-            store(simd, &mut fit.covariance[i], start, entries[i]);
+        for (entry, out) in entries.into_iter().zip(&mut fit.covariance) {
+            entry.store(simd, out, start);
         }
     }
-    store(simd, &mut fit.ux, start, ux);
-    store(simd, &mut fit.uy, start, uy);
-    store(
-        simd,
-        &mut fit.coherence,
-        start,
-        simd.quotient(agreement, total),
-    );
-    store(simd, &mut fit.residual_px, start, residual_px);
-    store(simd, &mut fit.heard, start, heard);
+    ux.store(simd, &mut fit.ux, start);
+    uy.store(simd, &mut fit.uy, start);
+    let coherence = agreement.quotient(simd, total);
+    coherence.store(simd, &mut fit.coherence, start);
+    square.sqrt(simd).store(simd, &mut fit.residual_px, start);
+    heard.store(simd, &mut fit.heard, start);
 }
 
 /// The normal equations of the last round: `sum w phase^2`, and `M` and `r` of equation 3.
 struct Normal<S: Simd> {
-    squares: S::f32s,
-    xx: S::f32s,
-    xy: S::f32s,
-    yy: S::f32s,
-    rx: S::f32s,
-    ry: S::f32s,
+    squares: Doubled<S>,
+    xx: Doubled<S>,
+    xy: Doubled<S>,
+    yy: Doubled<S>,
+    rx: Doubled<S>,
+    ry: Doubled<S>,
 }
 
 /// `s^2 M^-1` by its entries xx, xy and yy, where `s^2` is
 /// `sum w (phase - k.u)^2 = sum w phase^2 - 2 r.u + u.M u` over the degrees of freedom.
 #[inline(always)]
-fn covariance<S: Simd>(
+fn covariance<S: Rough>(
     simd: S,
     normal: &Normal<S>,
-    (ux, uy): (S::f32s, S::f32s),
-    heard: S::f32s,
+    (ux, uy): (Doubled<S>, Doubled<S>),
+    heard: Doubled<S>,
     rows_only: bool,
-) -> [S::f32s; 3] {
+) -> [Doubled<S>; 3] {
     let &Normal {
         squares,
         xx,
@@ -212,51 +198,52 @@ fn covariance<S: Simd>(
         rx,
         ry,
     } = normal;
-    let twice = |r| simd.add_f32s(r, r);
-    let along_x = simd.mul_add_e_f32s(xx, ux, simd.sub_f32s(simd.mul_f32s(xy, uy), twice(rx)));
-    let along_y = simd.mul_add_e_f32s(yy, uy, simd.sub_f32s(simd.mul_f32s(xy, ux), twice(ry)));
-    let left_over = simd.mul_add_e_f32s(along_x, ux, squares);
-    let left_over = simd.mul_add_e_f32s(along_y, uy, left_over);
+    let along_x = xx.mul_add(simd, ux, xy.mul(simd, uy).sub(simd, rx.add(simd, rx)));
+    let along_y = yy.mul_add(simd, uy, xy.mul(simd, ux).sub(simd, ry.add(simd, ry)));
+    let left_over = along_x.mul_add(simd, ux, squares);
+    let left_over = along_y.mul_add(simd, uy, left_over);
     // Rounding takes a perfect fit below zero.
-    let zero = simd.splat_f32s(0.0);
-    let left_over = simd.max_f32s(left_over, zero);
+    let zero = Doubled::splat(simd, 0.0);
+    let left_over = left_over.max(simd, zero);
     if rows_only {
-        let freedom = simd.sub_f32s(heard, simd.splat_f32s(1.0));
-        let variance = simd.div_f32s(left_over, simd.mul_f32s(freedom, xx));
-        return [variance, zero, zero];
+        let freedom = heard.sub(simd, Doubled::splat(simd, 1.0));
+        return [left_over.quotient(simd, freedom.mul(simd, xx)), zero, zero];
     }
-    let freedom = simd.sub_f32s(heard, simd.splat_f32s(2.0));
-    let scale = simd.mul_f32s(freedom, determinant(simd, xx, xy, yy));
-    let scale = simd.div_f32s(left_over, scale);
-    [yy, simd.neg_f32s(xy), xx].map(|entry| simd.mul_f32s(scale, entry))
+    let freedom = heard.sub(simd, Doubled::splat(simd, 2.0));
+    let scale = freedom.mul(simd, determinant(simd, xx, xy, yy));
+    let scale = left_over.quotient(simd, scale);
+    [
+        scale.mul(simd, yy),
+        scale.mul(simd, xy.neg(simd)),
+        scale.mul(simd, xx),
+    ]
 }
 
 /// What a shift leaves of an orientation's phase.
 #[inline(always)]
-fn left_over<S: Simd>(
+fn left_over<S: Rough>(
     simd: S,
-    phase: S::f32s,
-    (kx, ky): (S::f32s, S::f32s),
-    (ux, uy): (S::f32s, S::f32s),
-) -> S::f32s {
-    let explained = simd.mul_add_e_f32s(kx, ux, simd.mul_f32s(ky, uy));
-    simd.sub_f32s(phase, explained)
+    phase: Doubled<S>,
+    (kx, ky): (Doubled<S>, Doubled<S>),
+    (ux, uy): (Doubled<S>, Doubled<S>),
+) -> Doubled<S> {
+    ky.negate_mul_add(simd, uy, kx.negate_mul_add(simd, ux, phase))
 }
 
 /// That of a symmetric matrix.
 #[inline(always)]
-fn determinant<S: Simd>(simd: S, xx: S::f32s, xy: S::f32s, yy: S::f32s) -> S::f32s {
+fn determinant<S: Rough>(simd: S, xx: Doubled<S>, xy: Doubled<S>, yy: Doubled<S>) -> Doubled<S> {
     determinant_of(simd, (xx, xy), (xy, yy))
 }
 
 /// That of the matrix with these rows.
 #[inline(always)]
-fn determinant_of<S: Simd>(
+fn determinant_of<S: Rough>(
     simd: S,
-    (a, b): (S::f32s, S::f32s),
-    (c, d): (S::f32s, S::f32s),
-) -> S::f32s {
-    simd.sub_f32s(simd.mul_f32s(a, d), simd.mul_f32s(b, c))
+    (a, b): (Doubled<S>, Doubled<S>),
+    (c, d): (Doubled<S>, Doubled<S>),
+) -> Doubled<S> {
+    b.negate_mul_add(simd, c, a.mul(simd, d))
 }
 
 #[cfg(test)]

@@ -162,8 +162,8 @@ impl<'a> Stretch<'a> {
                 let after_im = simd.partial_load_f32s(&after[odd.clone()]);
                 let before_re = simd.partial_load_f32s(&before[even.clone()]);
                 let before_im = simd.partial_load_f32s(&before[odd.clone()]);
-                let cos = vector(simd, &warp.turns[i].cos, q);
-                let sin = vector(simd, &warp.turns[i].sin, q);
+                let cos = vector(simd, &warp.carriers.turns[i].cos, q);
+                let sin = vector(simd, &warp.carriers.turns[i].sin, q);
                 // The neighbours are turned by opposite angles, so that one turn takes the sums to
                 // the differences and back.
                 let sum_re = simd.add_f32s(after_re, before_re);
@@ -188,8 +188,8 @@ impl<'a> Stretch<'a> {
                 let along_y = simd.splat_f32s(self.sigma_squared * along_y);
                 let grows = simd.mul_add_e_f32s(
                     along_x,
-                    vector(simd, &warp.wave_x, q),
-                    simd.mul_f32s(along_y, vector(simd, &warp.wave_y, q)),
+                    vector(simd, &warp.carriers.wave_x, q),
+                    simd.mul_f32s(along_y, vector(simd, &warp.carriers.wave_y, q)),
                 );
                 re = simd.mul_add_e_f32s(grows, rise_im, re);
                 im = simd.sub_f32s(im, simd.mul_f32s(grows, rise_re));

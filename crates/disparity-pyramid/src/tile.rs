@@ -10,7 +10,7 @@ use crate::warp::{Place, Warp};
 use crate::{MatchParams, Validity};
 
 /// Pixels that one visit of the kernel treats together, side by side in vector registers.
-pub(crate) const TILE: usize = 16;
+pub(crate) const TILE: usize = 32;
 
 /// Pixels and orientations of the square that is turned from one beside the other to the other way
 /// round.
@@ -23,6 +23,7 @@ pub(crate) const MOST_ORIENTATIONS: usize = 32;
 pub(crate) type ByOrientation = [[f32; TILE]; MOST_ORIENTATIONS];
 
 /// A few neighbouring pixels of one row: everything the fit needs.
+#[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(crate) struct Tile {
     /// Phase of the left response over the warped right one, in `[-pi, pi]`.
@@ -270,11 +271,7 @@ pub(crate) struct Products<S: Simd> {
 impl<S: Rough> Products<S> {
     /// Of the even and odd parts of either eye.
     #[inline(always)]
-    pub(crate) fn new(
-        simd: S,
-        (le, lo): (S::f32s, S::f32s),
-        (re, ro): (S::f32s, S::f32s),
-    ) -> Self {
+    pub(crate) fn new(simd: S, (le, lo): (S::f32s, S::f32s), (re, ro): (S::f32s, S::f32s)) -> Self {
         Self {
             even: simd.mul_add_e_f32s(le, re, simd.mul_f32s(lo, ro)),
             odd: simd.negate_mul_add_e_f32s(le, ro, simd.mul_f32s(lo, re)),
@@ -298,10 +295,7 @@ impl<S: Rough> Products<S> {
         threshold: S::f32s,
     ) -> (S::f32s, S::f32s) {
         let turned = simd.sub_f32s(angle(simd, self.odd, self.even), turn);
-        let mean = simd.mul_f32s(
-            simd.splat_f32s(0.5),
-            simd.add_f32s(self.left, self.right),
-        );
+        let mean = simd.mul_f32s(simd.splat_f32s(0.5), simd.add_f32s(self.left, self.right));
         let amplitudes = simd.rough_root(simd.mul_f32s(self.left, self.right));
         let balance = simd.mul_f32s(amplitudes, simd.rough_reciprocal(mean));
         let heard = simd.less_than_f32s(threshold, simd.min_f32s(self.left, self.right));

@@ -25,7 +25,10 @@ impl Track {
     /// Makes the planes fit a pyramid of these sizes, finest first, of which the scales from `last` on
     /// are walked. Those that fit already stay, with whatever they hold.
     pub(crate) fn fit(&mut self, sizes: &[Size], last: usize) {
-        const EMPTY: Size = Size { width: 0, height: 0 };
+        const EMPTY: Size = Size {
+            width: 0,
+            height: 0,
+        };
         self.levels.resize_with(sizes.len(), || Level::of(EMPTY));
         for (scale, (level, &size)) in self.levels.iter_mut().zip(sizes).enumerate() {
             let size = if scale < last { EMPTY } else { size };

@@ -14,10 +14,20 @@ use crate::vector::vector;
 ///
 /// The turn common to all four neighbours, `k.(x' - floor x')`, is not applied: the caller takes it
 /// from the phase difference, where it costs a subtraction in place of a complex product.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Warp<'a> {
+    /// The rows that are held, each in the place of its number modulo theirs.
     pub(crate) samples: &'a [f32],
+    /// How many are held less one: all ones in binary, or more than there are rows.
+    pub(crate) row_mask: u32,
+    /// Of the whole image.
     pub(crate) size: Size,
+    pub(crate) carriers: &'a Carriers,
+}
+
+/// What the carriers of a bank do from pixel to pixel.
+#[derive(Debug)]
+pub(crate) struct Carriers {
     /// The wave vectors by component, by orientation.
     pub(crate) wave_x: Lanes,
     pub(crate) wave_y: Lanes,
@@ -45,8 +55,8 @@ pub(crate) struct Place {
     beyond_y: f32,
 }
 
-impl<'a> Warp<'a> {
-    pub(crate) fn new(responses: &'a Responses, waves: &[WaveVector]) -> Self {
+impl Carriers {
+    pub(crate) fn new(waves: &[WaveVector]) -> Self {
         let by_orientation = |number: &dyn Fn(&WaveVector) -> f32| {
             let mut numbers = [0.0; MOST_ORIENTATIONS];
             for (out, wave) in numbers.iter_mut().zip(waves) {
@@ -59,11 +69,21 @@ impl<'a> Warp<'a> {
             sin: by_orientation(&|k| -(k.x * x + k.y * y).sin()),
         });
         Self {
-            samples: responses.samples(),
-            size: responses.size(),
             wave_x: by_orientation(&|k| k.x),
             wave_y: by_orientation(&|k| k.y),
             turns,
+        }
+    }
+}
+
+impl<'a> Warp<'a> {
+    /// Over the responses of a whole image.
+    pub(crate) fn new(responses: &'a Responses, carriers: &'a Carriers) -> Self {
+        Self {
+            samples: responses.samples(),
+            row_mask: u32::MAX,
+            size: responses.size(),
+            carriers,
         }
     }
 
@@ -91,7 +111,8 @@ impl<'a> Warp<'a> {
         let Place { x, y, .. } = place;
         let Size { width, height } = self.size;
         let (right, below) = ((x + 1).min(width - 1), (y + 1).min(height - 1));
-        let pixel = |x: usize, y: usize| &self.samples[(y * width + x) * parts..][..parts];
+        let held = |y: usize| y & self.row_mask as usize;
+        let pixel = |x: usize, y: usize| &self.samples[(held(y) * width + x) * parts..][..parts];
         [
             pixel(x, y),
             pixel(right, y),
@@ -119,8 +140,8 @@ impl<'a> Warp<'a> {
         for i in 0..3 {
             let weight = simd.splat_f32s(weights[i]);
             let (re, im) = parts[i + 1];
-            let cos = simd.mul_f32s(weight, vector(simd, &self.turns[i].cos, q));
-            let sin = simd.mul_f32s(weight, vector(simd, &self.turns[i].sin, q));
+            let cos = simd.mul_f32s(weight, vector(simd, &self.carriers.turns[i].cos, q));
+            let sin = simd.mul_f32s(weight, vector(simd, &self.carriers.turns[i].sin, q));
             even = simd.mul_add_e_f32s(re, cos, even);
             even = simd.mul_add_e_f32s(im, simd.neg_f32s(sin), even);
             odd = simd.mul_add_e_f32s(re, sin, odd);
@@ -134,11 +155,11 @@ impl<'a> Warp<'a> {
     #[inline(always)]
     pub(crate) fn turn<S: Simd>(&self, simd: S, place: Place, q: usize) -> S::f32s {
         let along_y = simd.mul_f32s(
-            vector(simd, &self.wave_y, q),
+            vector(simd, &self.carriers.wave_y, q),
             simd.splat_f32s(place.beyond_y),
         );
         simd.mul_add_e_f32s(
-            vector(simd, &self.wave_x, q),
+            vector(simd, &self.carriers.wave_x, q),
             simd.splat_f32s(place.beyond_x),
             along_y,
         )
@@ -185,7 +206,8 @@ mod tests {
             };
             let still = draw((0.0, 0.0));
             let moved = draw((fx, fy));
-            let warp = Warp::new(&still.scales()[0], &waves);
+            let carriers = Carriers::new(&waves);
+            let warp = Warp::new(&still.scales()[0], &carriers);
             let place = warp.place(19.0 + fx, 21.0 + fy).unwrap();
             let read = read(&warp, place, q);
             let expected = moved.scales()[0].at(q, 19, 21);
@@ -209,7 +231,8 @@ mod tests {
         .unwrap();
         let image = LumaImage::new(Array2::from_elem(size.dim(), 0.3)).unwrap();
         let responses = bank.respond(&image).unwrap();
-        let warp = Warp::new(&responses.scales()[0], &bank.params().wave_vectors());
+        let carriers = Carriers::new(&bank.params().wave_vectors());
+        let warp = Warp::new(&responses.scales()[0], &carriers);
         assert!(warp.place(0.0, 0.0).is_some() && warp.place(11.0, 8.0).is_some());
         for (x, y) in [
             (-0.01, 4.0),

@@ -37,6 +37,14 @@ impl From<SteerableParams> for Family {
 }
 
 impl Family {
+    /// The same filters at so many scales.
+    pub(crate) const fn with_scales(self, scales: usize) -> Self {
+        match self {
+            Self::Gabor(params) => Self::Gabor(GaborParams { scales, ..params }),
+            Self::Steerable(params) => Self::Steerable(SteerableParams { scales, ..params }),
+        }
+    }
+
     /// The Gabor filters of the same orientations, scales, peak frequency, bandwidth and width.
     #[must_use]
     pub const fn as_gabor(&self) -> GaborParams {

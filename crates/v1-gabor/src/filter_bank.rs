@@ -8,10 +8,10 @@ use crate::pyramid::{reduce, reduce_into};
 use crate::samples::Samples;
 use crate::separable::Separable;
 use crate::separable_pass::SeparablePass;
-use crate::strip_kernel::StripKernel;
+use crate::strip_kernel::{StripKernel, StripWorkspace};
 use crate::{
-    BadParams, BankWorkspace, Family, GaborParams, Instructions, LumaImage, Responses, Size,
-    V1Responses,
+    BadParams, BankWorkspace, Family, GaborParams, Instructions, LumaImage, Responses,
+    RowWorkspace, Size, V1Responses,
 };
 
 /// A bank of oriented quadrature filters of one [`Family`], planned for images of one size and good
@@ -161,15 +161,8 @@ impl FilterBank {
         responses: &mut V1Responses,
     ) -> Result<(), WrongSize> {
         self.check_size(image)?;
-        let fits = |scale: (&Responses, Size)| scale.0.size() == scale.1;
-        if responses.params() != self.params
-            || !responses.scales().iter().zip(self.sizes()).all(fits)
-        {
-            *responses = self.silence();
-        }
-        if !workspace.fits(self.sizes(), &self.strip_kernel) {
-            *workspace = self.workspace();
-        }
+        self.fit(responses, 0);
+        self.fit_workspace(workspace);
         let BankWorkspace { coarser, bands, .. } = workspace;
         let mut plane = image.plane();
         let mut coarser = coarser.iter_mut();
@@ -214,9 +207,7 @@ impl FilterBank {
         mut visit: impl FnMut(usize, &[f32]),
     ) -> Result<(), WrongSize> {
         self.check_size(image)?;
-        if !workspace.fits(self.sizes(), &self.strip_kernel) {
-            *workspace = self.workspace();
-        }
+        self.fit_workspace(workspace);
         let BankWorkspace {
             bands, responses, ..
         } = workspace;
@@ -227,7 +218,7 @@ impl FilterBank {
         let responses = responses.as_mut_slice();
         if Rows::are_compiled_for(self.params.radius) {
             for y in 0..self.size.height {
-                self.respond_at_rows(image.plane(), y, &mut bands[0], responses);
+                self.respond_at_rows(image.plane(), y, &mut bands[0].strips, responses);
                 visit(y, responses);
             }
         } else {
@@ -240,6 +231,113 @@ impl FilterBank {
             }
         }
         Ok(())
+    }
+
+    /// The responses of the rows from `from` on at the finest scale, as many as `responses` holds: for
+    /// each pixel the even (real) parts of all orientations, then the odd (imaginary) ones. The bits
+    /// are those of [`respond`](Self::respond), whatever the rows and whoever asks for them. False, and
+    /// nothing written, if this bank's filters have no pass over single rows
+    /// ([`answers_by_rows`](Self::answers_by_rows)).
+    ///
+    /// For who wants some rows in a thread of his own: nothing of the bank is written to.
+    ///
+    /// # Errors
+    /// [`WrongSize`] if the image has another size than the bank was planned for.
+    ///
+    /// # Panics
+    /// If the image has fewer rows.
+    pub fn respond_rows_into(
+        &self,
+        image: &LumaImage,
+        from: usize,
+        workspace: &mut RowWorkspace,
+        responses: &mut [f32],
+    ) -> Result<bool, WrongSize> {
+        self.check_size(image)?;
+        if !self.answers_by_rows() {
+            return Ok(false);
+        }
+        let strips = workspace.fitted_to(&self.strip_kernel);
+        self.respond_at_rows(image.plane(), from, strips, responses);
+        Ok(true)
+    }
+
+    /// Whether [`respond_rows_into`](Self::respond_rows_into) answers: filters with a radius of 3 to 7
+    /// pixels, which are those of all defaults.
+    #[must_use]
+    pub const fn answers_by_rows(&self) -> bool {
+        Rows::are_compiled_for(self.params.radius)
+    }
+
+    /// The same filters for the scales from the second on: the bank whose responses
+    /// [`respond_coarser_into`](Self::respond_coarser_into) writes. `None` if there is one scale only.
+    #[must_use]
+    pub fn coarser(&self) -> Option<Self> {
+        let params = GaborParams {
+            scales: self.params.scales.checked_sub(1).filter(|&left| left > 0)?,
+            ..self.params
+        };
+        Some(Self {
+            params,
+            family: self.family.with_scales(params.scales),
+            size: self.size.halved(),
+            ..self.clone()
+        })
+    }
+
+    /// The responses at every scale but the finest, for who asks for those
+    /// [row by row](Self::respond_rows_into): a third of all. `responses` are the
+    /// [coarser](Self::coarser) bank's, its first scale being this one's second, and are replaced if
+    /// they are another's; of one scale only, nothing is left to be written.
+    ///
+    /// # Errors
+    /// [`WrongSize`] if the image has another size than the bank was planned for; the responses
+    /// then stay as they are.
+    pub fn respond_coarser_into(
+        &self,
+        image: &LumaImage,
+        workspace: &mut BankWorkspace,
+        responses: &mut V1Responses,
+    ) -> Result<(), WrongSize> {
+        self.check_size(image)?;
+        if self.params.scales == 1 {
+            return Ok(());
+        }
+        self.fit(responses, 1);
+        self.fit_workspace(workspace);
+        let BankWorkspace {
+            coarser: planes,
+            bands,
+            ..
+        } = workspace;
+        let mut plane = image.plane();
+        for (scale, next) in responses.scales_mut().iter_mut().zip(planes) {
+            reduce_into(plane, next, bands);
+            plane = next.view();
+            self.respond_at_one_scale(plane, bands, scale.samples_mut());
+        }
+        Ok(())
+    }
+
+    /// Replaces responses of another bank, this one's scales counting from `first`.
+    fn fit(&self, responses: &mut V1Responses, first: usize) {
+        let params = GaborParams {
+            scales: self.params.scales - first,
+            ..self.params
+        };
+        let sizes = responses.scales().iter().map(Responses::size);
+        if responses.params() != params || !sizes.eq(self.sizes().skip(first)) {
+            let silence = |size| Responses::silence(params, size);
+            let scales = self.sizes().skip(first).map(silence);
+            *responses = V1Responses::new(params, scales.collect());
+        }
+    }
+
+    /// Replaces buffers of another bank.
+    fn fit_workspace(&self, workspace: &mut BankWorkspace) {
+        if !workspace.fits(self.sizes(), &self.strip_kernel) {
+            *workspace = self.workspace();
+        }
     }
 
     /// The responses to a black image: what [`respond_into`](Self::respond_into) writes over.
@@ -278,7 +376,7 @@ impl FilterBank {
             .zip(bands)
             .enumerate()
             .for_each(|(band, (responses, workspace))| {
-                self.respond_at_rows(plane, band * rows, workspace, responses);
+                self.respond_at_rows(plane, band * rows, &mut workspace.strips, responses);
             });
     }
 
@@ -287,7 +385,7 @@ impl FilterBank {
         &self,
         plane: ArrayView2<'_, f32>,
         from: usize,
-        workspace: &mut BandWorkspace,
+        workspace: &mut StripWorkspace,
         responses: &mut [f32],
     ) {
         let radius = self.params.radius;
@@ -297,7 +395,7 @@ impl FilterBank {
             width: plane.dim().1,
             from,
             responses,
-            workspace: &mut workspace.strips,
+            workspace,
         };
         rows.respond(radius, self.instructions);
     }

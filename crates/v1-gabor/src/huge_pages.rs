@@ -49,7 +49,12 @@ mod tests {
         for len in [0, 1, WORTH_IT / 4 - 1, WORTH_IT / 4, 3 * WORTH_IT / 4 + 5] {
             let mut numbers: Vec<f32> = (0..len).map(|i| i as f32).collect();
             ask(&mut numbers);
-            assert!(numbers.iter().enumerate().all(|(i, &number)| number == i as f32));
+            assert!(
+                numbers
+                    .iter()
+                    .enumerate()
+                    .all(|(i, &number)| number == i as f32)
+            );
         }
     }
 }

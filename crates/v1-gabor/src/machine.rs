@@ -2,6 +2,8 @@ use pulp::{Simd, f32x8, f32x16};
 
 use crate::lanes::Lanes;
 
+pub use crate::samples::Samples;
+
 /// What the fast pass asks of a machine: arithmetic on `LANES` values at a time.
 ///
 /// A trait of its own, and not the vector library's, since the portable machine works on several

@@ -55,10 +55,25 @@ fn reduce_row(plane: ArrayView2<'_, f32>, y: usize, low_passed: &mut [f32], out:
             *sum += tap * sample;
         }
     }
-    for (x, out) in out.iter_mut().enumerate() {
-        let at = |k: usize| low_passed[(2 * x + k).saturating_sub(2).min(width - 1)];
+    let taps = |x: usize, at: &dyn Fn(usize) -> f32| {
         let taps = BINOMIAL.iter().enumerate();
-        *out = taps.map(|(k, tap)| tap * at(k)).sum();
+        taps.map(|(k, tap)| tap * at(2 * x + k)).sum::<f32>()
+    };
+    // Where no tap falls beyond either end, the samples need no choosing.
+    let (first, end) = (
+        1.min(out.len()),
+        (width.saturating_sub(1) / 2).max(1).min(out.len()),
+    );
+    let windows = low_passed.windows(BINOMIAL.len()).step_by(2);
+    for (out, window) in out[first..end].iter_mut().zip(windows) {
+        let mut sum = 0.0;
+        for k in 0..BINOMIAL.len() {
+            sum += BINOMIAL[k] * window[k];
+        }
+        *out = sum;
+    }
+    for x in (0..first).chain(end..out.len()) {
+        out[x] = taps(x, &|at| low_passed[at.saturating_sub(2).min(width - 1)]);
     }
 }
 

@@ -6,7 +6,7 @@ const LINE: usize = 64;
 /// Numbers that begin at a cache line: for eight orientations a pixel's sixteen fill one line, and
 /// not halves of two.
 #[derive(Debug)]
-pub(crate) struct Samples {
+pub struct Samples {
     /// The numbers, and before and after them what is needed to begin at a line.
     storage: Vec<f32>,
     start: usize,
@@ -15,7 +15,8 @@ pub(crate) struct Samples {
 
 impl Samples {
     /// As many zeros.
-    pub(crate) fn zeros(len: usize) -> Self {
+    #[must_use]
+    pub fn zeros(len: usize) -> Self {
         // Fresh zeros of the system, of which no page is touched yet.
         let mut storage = vec![0.0f32; len + LINE / size_of::<f32>()];
         huge_pages::ask(&mut storage);
@@ -33,13 +34,16 @@ impl Samples {
         }
     }
 
+    /// The numbers.
     #[inline(always)]
-    pub(crate) fn as_slice(&self) -> &[f32] {
+    #[must_use]
+    pub fn as_slice(&self) -> &[f32] {
         &self.storage[self.start..self.start + self.len]
     }
 
+    /// The numbers, to be written over.
     #[inline(always)]
-    pub(crate) fn as_mut_slice(&mut self) -> &mut [f32] {
+    pub fn as_mut_slice(&mut self) -> &mut [f32] {
         &mut self.storage[self.start..self.start + self.len]
     }
 }

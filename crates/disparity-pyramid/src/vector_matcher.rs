@@ -1,0 +1,189 @@
+use ndarray::Array2;
+use v1_gabor::{
+    BankWorkspace, Binocular, FilterBank, LumaImage, Size, V1Responses, WaveVector, WrongSize,
+};
+
+use crate::estimate::{both_ways, estimate_scales_into};
+use crate::refine::{Eyes, refine};
+use crate::refine_rows::{Band, RowEyes, refine_rows};
+use crate::shifts::Shifts;
+use crate::{DisparityField, MatchParams, MatchWorkspace, Mismatch};
+
+/// The vector pyramid from images to field, for pair after pair of one size: level 1 and
+/// [`estimate`](crate::estimate) in one visit, with the same bits.
+///
+/// The finest responses, three quarters of all, are needed once, and by one row after the other. They
+/// are computed row by row where the warp reads them and forgotten: no more than a few rows of them are
+/// there at a time, in a cache, where a frame of both eyes would be 128 bytes a pixel of memory. What a
+/// matcher works in is kept from pair to pair, so that none but the first allocates anything large.
+///
+/// ```
+/// # use ndarray::Array2;
+/// # use v1_gabor::{Binocular, FilterBank, GaborParams, LumaImage, Size};
+/// use disparity_pyramid::{DisparityField, MatchParams, VectorMatcher};
+/// # let size = Size { width: 64, height: 48 };
+/// # let frame = || LumaImage::new(Array2::zeros(size.dim()));
+/// # let pairs = vec![Binocular { left: frame()?, right: frame()? }; 2];
+///
+/// let bank = FilterBank::plan(GaborParams::default().fitted_to(size), size)?;
+/// let mut matcher = VectorMatcher::plan(bank, MatchParams::default())?;
+/// let mut field = DisparityField::default();
+/// for eyes in &pairs {
+///     matcher.estimate_into(eyes, &mut field)?;
+/// }
+/// assert_eq!(field.size(), size);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct VectorMatcher {
+    bank: FilterBank,
+    params: MatchParams,
+    /// Whether the finest responses are computed as they are needed.
+    by_rows: bool,
+    waves: Vec<WaveVector>,
+    bank_workspace: BankWorkspace,
+    /// All of them, or, by rows, those of the coarser scales.
+    responses: Binocular<V1Responses>,
+    workspace: MatchWorkspace,
+    bands: Vec<Band>,
+}
+
+impl VectorMatcher {
+    /// Plans a matcher for images of the bank's size.
+    ///
+    /// Where the finest responses are needed more than once they are held after all: with more than one
+    /// warp at the finest scale or a look back there, with [`MatchParams::slants`] or
+    /// [`MatchParams::singularity_tau`], with one scale only, and with filters that have no pass over
+    /// single rows.
+    ///
+    /// # Errors
+    /// [`Mismatch::Parameter`] if a parameter cannot be.
+    pub fn plan(bank: FilterBank, params: MatchParams) -> Result<Self, Mismatch> {
+        params.check()?;
+        let looks_back_there = params.left_right_px.is_some() && params.look_back_scale == 0;
+        let once = params.finest_warps == 1
+            && !looks_back_there
+            && !params.slants
+            && params.singularity_tau.is_none()
+            && bank.answers_by_rows();
+        let coarser = bank.coarser().filter(|_| once);
+        let silence = coarser.as_ref().unwrap_or(&bank).silence();
+        Ok(Self {
+            by_rows: coarser.is_some(),
+            waves: bank.params().wave_vectors(),
+            bank_workspace: bank.workspace(),
+            responses: Binocular {
+                left: silence.clone(),
+                right: silence,
+            },
+            workspace: MatchWorkspace::new(),
+            bands: Vec::new(),
+            bank,
+            params,
+        })
+    }
+
+    /// The size of the images.
+    #[must_use]
+    pub const fn size(&self) -> Size {
+        self.bank.size()
+    }
+
+    /// The vector disparity of every pixel of the left image.
+    ///
+    /// # Errors
+    /// [`Mismatch`] if an image has another size.
+    pub fn estimate(&mut self, eyes: &Binocular<LumaImage>) -> Result<DisparityField, Mismatch> {
+        let mut field = DisparityField::default();
+        self.estimate_into(eyes, &mut field)?;
+        Ok(field)
+    }
+
+    /// The same, written over the field of an earlier pair.
+    ///
+    /// # Errors
+    /// [`Mismatch`] if an image has another size; the field stays as it is then.
+    pub fn estimate_into(
+        &mut self,
+        eyes: &Binocular<LumaImage>,
+        field: &mut DisparityField,
+    ) -> Result<(), Mismatch> {
+        for eye in [&eyes.left, &eyes.right] {
+            if eye.size() != self.size() {
+                let (planned, given) = (self.size(), eye.size());
+                return Err(WrongSize { planned, given }.into());
+            }
+        }
+        let Self {
+            bank,
+            bank_workspace,
+            responses,
+            ..
+        } = self;
+        let Binocular { left, right } = responses;
+        for (eye, responses) in [(&eyes.left, left), (&eyes.right, right)] {
+            if self.by_rows {
+                bank.respond_coarser_into(eye, bank_workspace, responses)?;
+            } else {
+                bank.respond_into(eye, bank_workspace, responses)?;
+            }
+        }
+        if self.by_rows {
+            self.walk(eyes, field);
+            return Ok(());
+        }
+        let scales = self.bank.params().scales;
+        let room = (&mut self.workspace, field);
+        estimate_scales_into(&self.responses, self.params, scales, room)
+    }
+
+    /// From the coarser responses to the field, the finest ones as they are needed.
+    fn walk(&mut self, images: &Binocular<LumaImage>, field: &mut DisparityField) {
+        let Self {
+            bank,
+            params,
+            waves,
+            responses,
+            workspace,
+            bands,
+            ..
+        } = self;
+        let scales = bank.params().scales;
+        let finer = |size: &Size| Some(size.halved());
+        let sizes: Vec<Size> = std::iter::successors(Some(bank.size()), finer)
+            .take(scales)
+            .collect();
+        let warp = |from: &V1Responses,
+                    to: &V1Responses,
+                    scale: usize,
+                    shifts: &mut Shifts,
+                    dy: Option<&Array2<f32>>| {
+            let eyes = Eyes {
+                left: &from.scales()[scale - 1],
+                right: &to.scales()[scale - 1],
+                waves,
+            };
+            refine(&eyes, shifts, dy, params);
+        };
+        let (left, right) = (&responses.left, &responses.right);
+        let there = |scale: usize, shifts: &mut Shifts, dy: Option<&Array2<f32>>| {
+            if scale > 0 {
+                return warp(left, right, scale, shifts, dy);
+            }
+            let eyes = RowEyes {
+                bank,
+                images,
+                waves,
+            };
+            refine_rows(&eyes, shifts, params, bands);
+        };
+        both_ways(
+            (workspace, field),
+            params,
+            &sizes,
+            Some(bank.params()),
+            there,
+            |scale, shifts, dy| warp(right, left, scale, shifts, dy),
+        );
+    }
+}
