@@ -96,8 +96,8 @@ impl DenseParams {
     #[must_use]
     pub const fn fast() -> Self {
         Self {
-            cost: Cost::PhaseQuadrants,
             colour: false,
+            large_step: 8.0,
             look_back: LookBack::SamePaths,
             votes: 0,
             acuity: Acuity::CostBank,

@@ -5,6 +5,7 @@ use pulp::{Arch, NullaryFnOnce, Scalar};
 use rayon::prelude::*;
 use v1_gabor::{Binocular, Responses, WaveVector};
 
+use crate::dense::nearest::nearest;
 use crate::phase::{angle, cosine, wrap};
 use crate::vector::lanes;
 
@@ -156,11 +157,4 @@ fn residual<const LANES: usize>(bands: &[Band<'_>], x: usize, y: usize, dx: f32)
         }
     }
     (step, agreement / heard)
-}
-
-/// The nearest whole number, without a call: adding and taking away 1.5 * 2^23 rounds.
-#[inline(always)]
-fn nearest(value: f32) -> f32 {
-    const ROUNDER: f32 = 12_582_912.0;
-    (value + ROUNDER) - ROUNDER
 }
