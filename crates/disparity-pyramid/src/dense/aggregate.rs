@@ -1,4 +1,4 @@
-use ndarray::{Array2, ArrayViewMut2, Axis, s};
+use ndarray::{Array2, ArrayViewMut1, ArrayViewMut2, Axis, s};
 use rayon::prelude::*;
 
 use crate::SearchRange;
@@ -172,6 +172,8 @@ impl<C: PixelCost> WideWork for Strip<'_, C> {
             costs,
             sums,
         } = self;
+        let mut now = vec![0; places + 2];
+        unpaid(&mut now);
         for (row, (costs, sums)) in costs.into_iter().zip(sums).enumerate() {
             let y = top + row;
             let above = y.checked_sub(1).map(|above| ground.guide.below(above));
@@ -183,14 +185,20 @@ impl<C: PixelCost> WideWork for Strip<'_, C> {
                 let x = start + column;
                 ground.cost.costs(wide, x, y, costs);
                 // What is no shift costs the most there is.
-                costs[ground.shifts..].fill(NO_SHIFT);
+                for cost in &mut costs[ground.shifts..] {
+                    *cost = NO_SHIFT;
+                }
                 let large = above.map_or(0, |above| ground.penalty.large(above[x]));
                 let penalties = (ground.penalty.small, large);
                 let costs = costs.as_chunks().0;
                 let sums = sums.as_chunks_mut().0;
-                *least = path_step(wide, run, *least, penalties, costs, |i, cost| {
+                *least = path_step(wide, run, *least, penalties, costs, &mut now, |i, cost| {
                     wide.store(cost, &mut sums[i]);
                 });
+                let next = run[1..=places].as_chunks_mut().0;
+                for (next, cost) in next.iter_mut().zip(&*sums) {
+                    wide.store(wide.load(cost), next);
+                }
             }
         }
     }
@@ -200,8 +208,9 @@ impl<C: PixelCost> WideWork for Strip<'_, C> {
 #[derive(Clone, Debug)]
 struct RowSpace {
     places: usize,
-    /// The costs of a path along the row.
-    run: Vec<u8>,
+    /// The costs of a path along the row at two pixels, and the least at the first of them.
+    before: Vec<u8>,
+    now: Vec<u8>,
     least: u8,
     total: Vec<u8>,
     /// What a large step from each pixel to the one before costs.
@@ -234,7 +243,8 @@ impl RowSpace {
         };
         Self {
             places,
-            run: vec![0; places + 2],
+            before: vec![0; places + 2],
+            now: vec![0; places + 2],
             least: 0,
             total: vec![0; places],
             large: vec![0; width + 1],
@@ -246,7 +256,8 @@ impl RowSpace {
     /// Before the first pixel of a path.
     #[inline(always)]
     fn begin(&mut self) {
-        unpaid(&mut self.run);
+        unpaid(&mut self.before);
+        unpaid(&mut self.now);
         self.least = 0;
     }
 }
@@ -297,10 +308,12 @@ impl<C: PixelCost> WideWork for Rows<'_, C> {
                 let costs = costs[pixel.clone()].as_chunks().0;
                 let sums = sums[pixel].as_chunks_mut().0;
                 let penalties = (small, space.large[x]);
-                let run = &mut space.run;
-                space.least = path_step(wide, run, space.least, penalties, costs, |i, cost| {
+                let (before, now) = (&space.before, &mut space.now);
+                let least = space.least;
+                space.least = path_step(wide, before, least, penalties, costs, now, |i, cost| {
                     wide.store(wide.add(wide.load(&sums[i]), cost), &mut sums[i]);
                 });
+                std::mem::swap(&mut space.before, &mut space.now);
             }
         }
 
@@ -319,13 +332,15 @@ impl<C: PixelCost> WideWork for Rows<'_, C> {
                 let costs = costs[pixel.clone()].as_chunks().0;
                 let sums = sums[pixel].as_chunks().0;
                 let penalties = (small, space.large[x + 1]);
-                let (run, total) = (&mut space.run, space.total.as_chunks_mut().0);
+                let (before, now) = (&space.before, &mut space.now);
+                let (least, total) = (space.least, space.total.as_chunks_mut().0);
                 let mut lowest = wide.splat(NO_SHIFT);
-                space.least = path_step(wide, run, space.least, penalties, costs, |i, cost| {
+                space.least = path_step(wide, before, least, penalties, costs, now, |i, cost| {
                     let sum = wide.add(wide.load(&sums[i]), cost);
                     lowest = wide.min(lowest, sum);
                     wide.store(sum, &mut total[i]);
                 });
+                std::mem::swap(&mut space.before, &mut space.now);
                 if other_dx.is_some() {
                     space.tell_the_other(wide, x);
                 }
@@ -339,11 +354,7 @@ impl<C: PixelCost> WideWork for Rows<'_, C> {
             return;
         };
         for (mut other_dx, space) in other_dx.rows_mut().into_iter().zip(spaces) {
-            for (x, dx) in other_dx.iter_mut().enumerate() {
-                *dx = space.told(x).map_or(f32::NAN, |place| {
-                    (search.least_dx() + place as i32) as f32
-                });
-            }
+            space.told(search, &mut other_dx);
         }
     }
 }
@@ -372,12 +383,22 @@ impl RowSpace {
         }
     }
 
-    /// The place of the shift that leads to pixel `x` of the other eye with the least sum.
-    fn told(&self, x: usize) -> Option<usize> {
-        let seen = self.padding.place(x);
-        let blocks = self.other.iter().enumerate();
-        let (block, other) = blocks.min_by_key(|(_, other)| other.least[seen])?;
-        (other.least[seen] < NO_SHIFT).then(|| block * BLOCK + usize::from(other.place[seen]))
+    /// The shift that leads to each pixel of the other eye with the least sum, NaN where none does.
+    fn told(&self, search: SearchRange, other_dx: &mut ArrayViewMut1<'_, f32>) {
+        let own = self.padding.place(0)..self.padding.place(other_dx.len());
+        let mut least = vec![NO_SHIFT; other_dx.len()];
+        other_dx.fill(f32::NAN);
+        for (block, other) in self.other.iter().enumerate() {
+            let first = (search.least_dx() + (block * BLOCK) as i32) as f32;
+            let told = other.least[own.clone()]
+                .iter()
+                .zip(&other.place[own.clone()]);
+            for ((dx, least), (sum, place)) in other_dx.iter_mut().zip(&mut least).zip(told) {
+                if *sum < *least {
+                    (*least, *dx) = (*sum, first + f32::from(*place));
+                }
+            }
+        }
     }
 }
 

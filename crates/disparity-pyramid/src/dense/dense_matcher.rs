@@ -135,7 +135,7 @@ impl DenseMatcher {
         // The responses themselves are large: only hyperacuity may need them once more.
         let (winners, other_dx, responses) = match self.params.cost {
             Cost::PhaseAgreement => {
-                let cost = 
+                let cost =
                     PhaseAgreement::new(planes, self.params.silent_energy, search, penalty.unit);
                 let responses = self.kept_for_acuity(responses);
                 let (winners, other_dx) = self.compete(&cost, &guides, &penalty, search);

@@ -29,11 +29,12 @@ pub(crate) fn fill(field: &PartialField, otherwise: f32) -> Array2<f32> {
     let mut missed = Vec::with_capacity(height);
     for (y, mut filled) in filled.rows_mut().into_iter().enumerate() {
         let mut columns = Vec::new();
-        if field.known.row(y).iter().any(|known| !known) {
+        let (known, validity) = (field.known.row(y), field.validity.row(y));
+        if known.iter().any(|known| !known) {
             let behind = field.backgrounds(y);
             for (x, dx) in filled.iter_mut().enumerate() {
-                if !field.known[[y, x]] {
-                    match behind[x].filter(|_| is_hidden(field.validity[[y, x]])) {
+                if !known[x] {
+                    match behind[x].filter(|_| is_hidden(validity[x])) {
                         Some(behind) => *dx = behind,
                         None => columns.push(x),
                     }
@@ -82,6 +83,8 @@ struct Onward {
     /// For each direction the last rows, the latest first, between columns that know nothing.
     rows: [[Vec<f32>; FARTHEST]; ONWARD.len()],
     spare: Vec<f32>,
+    /// What a row itself knows.
+    own: Vec<f32>,
 }
 
 impl Onward {
@@ -90,6 +93,7 @@ impl Onward {
         Self {
             rows: std::array::from_fn(|_| [row(), row()]),
             spare: row(),
+            own: vec![f32::INFINITY; width],
         }
     }
 
@@ -103,14 +107,17 @@ impl Onward {
 
     /// Walks over row `y`.
     fn pass(&mut self, field: &PartialField, y: usize) {
-        let (dx, known) = (field.dx.row(y), field.known.row(y));
+        let own = field.dx.row(y).into_iter().zip(field.known.row(y));
+        for (seen, (dx, known)) in self.own.iter_mut().zip(own) {
+            *seen = if *known { *dx } else { f32::INFINITY };
+        }
         for ([latest, before], (step, back)) in self.rows.iter_mut().zip(ONWARD) {
             let from = if back == 1 { &*latest } else { &*before };
             let from = &from[FARTHEST.wrapping_add_signed(step)..];
             let mut next = std::mem::take(&mut self.spare);
-            let own = next[FARTHEST..].iter_mut().zip(from);
-            for ((next, from), (dx, known)) in own.zip(dx.into_iter().zip(known)) {
-                *next = if *known { *dx } else { *from };
+            let row = next[FARTHEST..].iter_mut().zip(from).zip(&self.own);
+            for ((next, &from), &own) in row {
+                *next = if own < f32::INFINITY { own } else { from };
             }
             self.spare = std::mem::replace(before, std::mem::replace(latest, next));
         }
@@ -257,7 +264,6 @@ mod tests {
         found.sort_by(f32::total_cmp);
         found.get(count / 2).copied()
     }
-
 
     /// All directions, as (x, y) steps.
     const STEPS: [(isize, isize); DIRECTIONS] = [

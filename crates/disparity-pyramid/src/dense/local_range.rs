@@ -1,4 +1,4 @@
-use ndarray::{Array2, ArrayView2, Axis};
+use ndarray::{Array2, ArrayView2};
 use rayon::prelude::*;
 
 /// Pixels on either side that belong to the neighbourhood.
@@ -9,9 +9,11 @@ const REACH: usize = 2;
 pub(crate) fn local_range(dx: ArrayView2<'_, f32>) -> Array2<f32> {
     let (height, width) = dx.dim();
     let mut range = Array2::zeros((height, width));
+    let dx = dx.to_slice().expect(CONTIGUOUS);
     range
-        .axis_iter_mut(Axis(0))
-        .into_par_iter()
+        .as_slice_mut()
+        .expect(CONTIGUOUS)
+        .par_chunks_mut(width)
         .enumerate()
         .for_each_init(
             || {
@@ -19,12 +21,13 @@ pub(crate) fn local_range(dx: ArrayView2<'_, f32>) -> Array2<f32> {
                 let least = vec![f32::INFINITY; columns];
                 (least, vec![f32::NEG_INFINITY; columns], vec![0.0; width])
             },
-            |(least, most, lowest), (y, mut range)| {
+            |(least, most, lowest), (y, range)| {
                 least[REACH..][..width].fill(f32::INFINITY);
                 most[REACH..][..width].fill(f32::NEG_INFINITY);
                 for row in y.saturating_sub(REACH)..=(y + REACH).min(height - 1) {
                     let columns = least[REACH..].iter_mut().zip(&mut most[REACH..]);
-                    for ((least, most), dx) in columns.zip(dx.row(row)) {
+                    let row = &dx[row * width..(row + 1) * width];
+                    for ((least, most), dx) in columns.zip(row) {
                         *least = lesser(*least, *dx);
                         *most = -lesser(-*most, -*dx);
                     }
@@ -46,6 +49,8 @@ pub(crate) fn local_range(dx: ArrayView2<'_, f32>) -> Array2<f32> {
         );
     range
 }
+
+const CONTIGUOUS: &str = "planes are made in row-major order";
 
 /// The lesser of two numbers: one instruction, since no shift is NaN.
 #[inline(always)]

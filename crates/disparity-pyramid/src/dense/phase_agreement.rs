@@ -10,12 +10,11 @@ use crate::dense::wide::Wide;
 /// Orientations of the bank that the cost is taken from: more change nothing.
 pub(crate) const COST_ORIENTATIONS: usize = 4;
 
-/// The largest modulus of a coded response. The sum over the orientations of the product of two of
-/// them, rounding of the parts included, stays within 15 bits, and twice that within 16.
-const FULL: f32 = 89.0;
-
-/// What is added to a part so that it has no sign.
+/// What is added to a part so that it has no sign: more than any part.
 const BIAS: u8 = 90;
+
+/// Where the sum of the products of two pixels' parts is cut off: the rest is the cost.
+const CUT: f32 = 1024.0;
 
 /// The energy of position-shifted binocular cells:
 /// `C(x, dx) = 1 - sum_q Re(u_q^L(x) conj u_q^R(x + dx))`, from 0 (all phases agree) to 2.
@@ -28,11 +27,11 @@ const BIAS: u8 = 90;
 pub(crate) struct PhaseAgreement {
     eyes: Binocular<NormalisedResponses>,
     padding: Padding,
-    /// What 2^16 times a step of the sums of products costs.
-    factor: i16,
+    /// The largest sum of products that two pixels can have.
+    most: i16,
 }
 
-/// Normalised responses `[[y, orientation, padded x, part]]`, in units of 1 / (2 FULL), and
+/// Normalised responses `[[y, orientation, padded x, part]]`, in units of 1 / (2 sqrt(256 unit)), and
 /// [`BIAS`] more.
 #[derive(Clone, Debug)]
 struct NormalisedResponses {
@@ -49,12 +48,15 @@ impl PhaseAgreement {
         search: SearchRange,
         unit: u8,
     ) -> Self {
-        const AGREEMENT: f32 = COST_ORIENTATIONS as f32 * FULL * FULL;
         let padding = Padding::of(search);
+        // The sum over the orientations of the products of full responses is a unit, cut off.
+        let full = (f32::from(unit) * CUT / COST_ORIENTATIONS as f32).sqrt();
+        // Rounding lengthens a pixel's vector of eight parts by at most half of sqrt 8.
+        let longest = (COST_ORIENTATIONS as f32).sqrt() * full + 2.0f32.sqrt();
         Self {
-            eyes: eyes.map(|eye| NormalisedResponses::of(eye, silent_energy, padding)),
+            eyes: eyes.map(|eye| NormalisedResponses::of(eye, silent_energy, full, padding)),
             padding,
-            factor: (f32::from(unit) * 65536.0 / AGREEMENT).round() as i16,
+            most: (longest * longest).ceil() as i16,
         }
     }
 }
@@ -65,33 +67,30 @@ impl PixelCost for PhaseAgreement {
         let place = self.padding.place(x);
         let run = self.padding.first(x)..self.padding.first(x) + costs.len();
         let (left, right) = (&self.eyes.left, &self.eyes.right);
-        let mut without_bias = i16::MAX;
-        let mut orientation = |q: usize| {
-            let own = left.row(y, q)[place].map(|part| part.wrapping_sub(BIAS).cast_signed());
-            for part in own {
-                without_bias = without_bias.wrapping_add(i16::from(BIAS) * i16::from(part));
-            }
-            let runs = right.row(y, q)[run.clone()].as_flattened();
-            (wide.splat_pair(own), runs.as_chunks::<LANES>().0)
+        let own: [[u8; 2]; COST_ORIENTATIONS] = std::array::from_fn(|q| left.row(y, q)[place]);
+        // The products with the bias of the other eye's parts are the same for all shifts.
+        let biased = own.as_flattened().iter().fold(0i16, |sum, part| {
+            sum.wrapping_add(i16::from(*part) - i16::from(BIAS))
+        });
+        let base = self.most.wrapping_add(i16::from(BIAS).wrapping_mul(biased));
+        let left = Left {
+            base: wide.splat_word(base),
+            pairs: [
+                splat_without_bias(wide, own[0]),
+                splat_without_bias(wide, own[1]),
+                splat_without_bias(wide, own[2]),
+                splat_without_bias(wide, own[3]),
+            ],
         };
-        // One by one, since an array of them would live in memory.
-        let ((a, runs_a), (b, runs_b)) = (orientation(0), orientation(1));
-        let ((c, runs_c), (d, runs_d)) = (orientation(2), orientation(3));
-        let (base, factor) = (wide.splat_word(without_bias), wide.splat_word(self.factor));
-        let disagreement = |[ra, rb, rc, rd]: [&[u8; LANES]; 4]| {
-            let dot = |pair, run| wide.dot_pairs(wide.load(run), pair);
-            let ab = wide.add_words(dot(a, ra), dot(b, rb));
-            let cd = wide.add_words(dot(c, rc), dot(d, rd));
-            // From 0 to 2 in 16 bits without sign.
-            wide.sub_words(base, wide.add_words(ab, cd))
-        };
-        let runs = runs_a.chunks_exact(2).zip(runs_b.chunks_exact(2));
-        let runs = runs.zip(runs_c.chunks_exact(2).zip(runs_d.chunks_exact(2)));
-        let blocks = costs.as_chunks_mut::<LANES>().0;
-        for (costs, ((a, b), (c, d))) in blocks.iter_mut().zip(runs) {
-            let first = disagreement([&a[0], &b[0], &c[0], &d[0]]);
-            let second = disagreement([&a[1], &b[1], &c[1], &d[1]]);
-            wide.store(wide.upper_products(first, second, factor), costs);
+        let runs_a = blocks(right.row(y, 0), &run);
+        let runs_b = blocks(right.row(y, 1), &run);
+        let runs_c = blocks(right.row(y, 2), &run);
+        let runs_d = blocks(right.row(y, 3), &run);
+        let runs = runs_a.iter().zip(runs_b).zip(runs_c.iter().zip(runs_d));
+        for (costs, ((a, b), (c, d))) in costs.as_chunks_mut::<LANES>().0.iter_mut().zip(runs) {
+            let first = left.disagreement(wide, [&a[0], &b[0], &c[0], &d[0]]);
+            let second = left.disagreement(wide, [&a[1], &b[1], &c[1], &d[1]]);
+            wide.store(wide.upper_6(first, second), costs);
         }
     }
 
@@ -106,11 +105,47 @@ impl PixelCost for PhaseAgreement {
     }
 }
 
+/// A run of a row in blocks of as many pixels as are compared side by side, in two halves.
+#[inline(always)]
+fn blocks<'a>(row: &'a [[u8; 2]], run: &std::ops::Range<usize>) -> &'a [[[u8; LANES]; 2]] {
+    row[run.clone()].as_flattened().as_chunks().0.as_chunks().0
+}
+
+/// The pair of one orientation, side by side for all shifts.
+#[inline(always)]
+fn splat_without_bias<W: Wide>(wide: W, pair: [u8; 2]) -> W::Words {
+    let without = |part: u8| part.wrapping_sub(BIAS).cast_signed();
+    wide.splat_pair([without(pair[0]), without(pair[1])])
+}
+
+/// A pixel of the reference, side by side for all shifts.
+struct Left<W: Wide> {
+    /// What the products with the bias take away from the largest disagreement.
+    base: W::Words,
+    pairs: [W::Words; COST_ORIENTATIONS],
+}
+
+impl<W: Wide> Left<W> {
+    /// How little the phases agree at half a block of shifts, from 0 to 2 in 16 bits without sign.
+    // No closure may stand here: it would be compiled without the vector unit's features.
+    #[inline(always)]
+    fn disagreement(&self, wide: W, runs: [&[u8; LANES]; COST_ORIENTATIONS]) -> W::Words {
+        let a = wide.dot_pairs(wide.load(runs[0]), self.pairs[0]);
+        let b = wide.dot_pairs(wide.load(runs[1]), self.pairs[1]);
+        let c = wide.dot_pairs(wide.load(runs[2]), self.pairs[2]);
+        let d = wide.dot_pairs(wide.load(runs[3]), self.pairs[3]);
+        let sum = wide.add_words(wide.add_words(a, b), wide.add_words(c, d));
+        wide.sub_words(self.base, sum)
+    }
+}
+
 /// One row of responses of four orientations.
 struct NormalisedRow<'a> {
     /// Even and odd parts of each pixel.
     samples: &'a [[f32; 2 * COST_ORIENTATIONS]],
     silent_energy: f32,
+    /// The modulus of a full response.
+    full: f32,
     rows: [&'a mut [[u8; 2]]; COST_ORIENTATIONS],
 }
 
@@ -127,8 +162,9 @@ impl NullaryFnOnce for NormalisedRow<'_> {
                 even * even + odd * odd
             });
             // Silence over silence is silence.
-            let gain = energy
-                .map(|energy| FULL / (energy + self.silent_energy).max(f32::MIN_POSITIVE).sqrt());
+            let gain = energy.map(|energy| {
+                self.full / (energy + self.silent_energy).max(f32::MIN_POSITIVE).sqrt()
+            });
             let code = |part: usize| byte(sample[part] * gain[part % COST_ORIENTATIONS]);
             let codes: [u8; 2 * COST_ORIENTATIONS] = std::array::from_fn(code);
             *a = [codes[0], codes[4]];
@@ -147,7 +183,7 @@ fn byte(value: f32) -> u8 {
 }
 
 impl NormalisedResponses {
-    fn of(responses: &Responses, silent_energy: f32, padding: Padding) -> Self {
+    fn of(responses: &Responses, silent_energy: f32, full: f32, padding: Padding) -> Self {
         let size = responses.size();
         let stride = padding.stride(size.width);
         let mut parts = vec![[BIAS; 2]; size.height * COST_ORIENTATIONS * stride];
@@ -165,6 +201,7 @@ impl NormalisedResponses {
                 Arch::new().dispatch(NormalisedRow {
                     samples,
                     silent_energy,
+                    full,
                     rows,
                 });
             });

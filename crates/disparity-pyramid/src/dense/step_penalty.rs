@@ -19,11 +19,13 @@ impl StepPenalty {
     /// an edge of the picture, and the full price where it is smooth.
     ///
     /// The unit is the largest that keeps the dearest step with the dearest cost in a byte, so that
-    /// paths are exact in bytes.
+    /// paths are exact in bytes, and no larger than 30: products of bytes hold no more of a cost.
     pub(crate) fn new(params: &DenseParams) -> Self {
         let least = 1.05 * params.small_step;
         let full = params.large_step.max(least);
-        let unit = (f32::from(u8::MAX) / (full + Self::MOST_COST)).floor();
+        let unit = (f32::from(u8::MAX) / (full + Self::MOST_COST))
+            .floor()
+            .min(30.0);
         let large = std::array::from_fn(|step| {
             let step = step as f32 / 255.0;
             let faded = (-step / params.edge_softness).exp();

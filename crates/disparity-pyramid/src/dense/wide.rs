@@ -44,14 +44,8 @@ pub(crate) trait Wide: Copy {
     fn splat_pair(self, pair: [i8; 2]) -> Self::Words;
     /// The products of pairs of bytes, `a[2i] b[0] + a[2i + 1] b[1]`; they must fit in 16 bits.
     fn dot_pairs(self, pairs: Self::Bytes, with: Self::Words) -> Self::Words;
-    /// The upper halves of the products of words without sign, each of which must fit in a byte: of
-    /// `first`, then of `second`.
-    fn upper_products(
-        self,
-        first: Self::Words,
-        second: Self::Words,
-        factor: Self::Words,
-    ) -> Self::Bytes;
+    /// The upper 6 bits of words without sign: of `first`, then of `second`.
+    fn upper_6(self, first: Self::Words, second: Self::Words) -> Self::Bytes;
 }
 
 /// Any machine that the target is compiled for.
@@ -143,19 +137,11 @@ impl Wide for Plain {
     }
 
     #[inline(always)]
-    fn upper_products(
-        self,
-        first: Self::Words,
-        second: Self::Words,
-        factor: Self::Words,
-    ) -> Self::Bytes {
-        let upper = |word: i16, factor: i16| {
-            let product = u32::from(word.cast_unsigned()) * u32::from(factor.cast_unsigned());
-            (product >> 16) as u8
-        };
+    fn upper_6(self, first: Self::Words, second: Self::Words) -> Self::Bytes {
+        let upper = |word: i16| (word.cast_unsigned() >> 10) as u8;
         std::array::from_fn(|i| match i.checked_sub(WORDS) {
-            None => upper(first[i], factor[i]),
-            Some(i) => upper(second[i], factor[i]),
+            None => upper(first[i]),
+            Some(i) => upper(second[i]),
         })
     }
 }
@@ -253,14 +239,9 @@ impl Wide for pulp::x86::V3 {
     }
 
     #[inline(always)]
-    fn upper_products(
-        self,
-        first: Self::Words,
-        second: Self::Words,
-        factor: Self::Words,
-    ) -> Self::Bytes {
-        let first = self.avx2._mm256_mulhi_epu16(first, factor);
-        let second = self.avx2._mm256_mulhi_epu16(second, factor);
+    fn upper_6(self, first: Self::Words, second: Self::Words) -> Self::Bytes {
+        let first = self.avx2._mm256_srli_epi16::<10>(first);
+        let second = self.avx2._mm256_srli_epi16::<10>(second);
         let packed = self.avx2._mm256_packus_epi16(first, second);
         // Each half has packed its own eight of both.
         self.avx2._mm256_permute4x64_epi64::<0b11_01_10_00>(packed)
@@ -314,7 +295,7 @@ mod tests {
             wide.sub(va, vb),
             wide.min(va, vb),
             wide.if_less(va, vb, wide.splat(1), wide.splat(2)),
-            wide.upper_products(words, product, wide.splat_word(77)),
+            wide.upper_6(words, product),
         ];
         for run in runs {
             let mut out = [0; LANES];

@@ -37,8 +37,12 @@ pub(crate) fn winner<W: Wide>(wide: W, sums: &mut [u8], least: u8) -> Winner {
         }
         _ => 0.0,
     };
-    let end = (place + 2).min(sums.len());
-    sums[place.saturating_sub(1)..end].fill(NO_SHIFT);
+    // One by one: to fill three bytes is a call.
+    for near in [place.wrapping_sub(1), place, place + 1] {
+        if let Some(sum) = sums.get_mut(near) {
+            *sum = NO_SHIFT;
+        }
+    }
     Winner {
         place,
         beyond,
