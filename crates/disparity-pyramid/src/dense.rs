@@ -4,7 +4,7 @@
 //! Each file is one ingredient; [`DenseMatcher::estimate`](crate::DenseMatcher::estimate) puts them
 //! together, in this order:
 //! 1. the cost of every shift at every pixel: phase agreement, or the phases' quadrants;
-//! 2. four paths a pixel gather costs along rows and columns, and the least sum wins;
+//! 2. three paths a pixel gather costs along rows and down columns, and the least sum wins;
 //! 3. the other eye looks back; small patches are dropped;
 //! 4. what has no answer is filled: by vote on its surface, from what lies behind, from around;
 //! 5. a median;
@@ -22,6 +22,7 @@ mod guide;
 mod hyperacuity;
 mod local_range;
 mod look_back;
+mod nearest;
 mod padding;
 mod partial_field;
 mod path_step;
@@ -33,7 +34,6 @@ mod search_range;
 mod slanted_cells;
 mod speckles;
 mod step_penalty;
-mod strip;
 mod voting;
 mod wide;
 mod winner;

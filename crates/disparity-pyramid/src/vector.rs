@@ -18,13 +18,3 @@ pub(crate) fn vector<S: Simd>(_simd: S, numbers: &[f32], start: usize) -> S::f32
 pub(crate) fn store<S: Simd>(_simd: S, numbers: &mut [f32], start: usize, values: S::f32s) {
     S::as_mut_simd_f32s(&mut numbers[start..start + S::F32_LANES]).0[0] = values;
 }
-
-/// Numbers by orientation in an array of known length, zeros behind them.
-#[inline(always)]
-pub(crate) fn lanes<const LANES: usize>(numbers: &[f32]) -> [f32; LANES] {
-    numbers.try_into().unwrap_or_else(|_| {
-        let mut lanes = [0.0; LANES];
-        lanes[..numbers.len()].copy_from_slice(numbers);
-        lanes
-    })
-}

@@ -9,7 +9,7 @@ pub(crate) struct Evidence<'a> {
     /// Agreement of the phases, from -1 to 1.
     pub(crate) coherence: ArrayView2<'a, f32>,
     /// How much more the second shift costs.
-    pub(crate) margin: ArrayView2<'a, i16>,
+    pub(crate) margin: ArrayView2<'a, u8>,
     /// Largest difference of shifts around, in pixels.
     pub(crate) range: ArrayView2<'a, f32>,
     /// How far the surface cells moved the shift, in pixels.
@@ -23,23 +23,35 @@ pub(crate) fn confidence(evidence: Evidence<'_>) -> Array2<f32> {
     const LEAST: f32 = -0.55;
     const SPAN: f32 = 2.0 - LEAST;
     let usual = median_margin(evidence.margin);
-    let mut confidence = Array2::zeros(evidence.margin.dim());
-    Zip::indexed(&mut confidence).par_for_each(|place, confidence| {
-        let found = f32::from(u8::from(evidence.validity[place].is_valid()));
-        let margin = (f32::from(evidence.margin[place]) / usual).min(1.0);
-        let edge = (0.5 * (evidence.range[place] - 1.0)).clamp(0.0, 1.0);
-        let torn = f32::from(u8::from(evidence.moved[place] > 1.0));
-        let coherence = evidence.coherence[place].clamp(0.0, 1.0);
-        let sum = found + 0.5 * coherence + 0.5 * margin - 0.25 * edge - 0.3 * torn;
-        *confidence = ((sum - LEAST) / SPAN).clamp(0.0, 1.0);
-    });
-    confidence
+    let surely = Zip::from(evidence.validity)
+        .and(evidence.coherence)
+        .and(evidence.margin)
+        .map_collect(|validity, coherence, margin| {
+            let found = f32::from(u8::from(validity.is_valid()));
+            let margin = (f32::from(*margin) / usual).min(1.0);
+            found + 0.5 * coherence.clamp(0.0, 1.0) + 0.5 * margin
+        });
+    Zip::from(&surely)
+        .and(evidence.range)
+        .and(evidence.moved)
+        .map_collect(|surely, range, moved| {
+            let edge = (0.5 * (range - 1.0)).clamp(0.0, 1.0);
+            let torn = f32::from(u8::from(*moved > 1.0));
+            let sum = surely - 0.25 * edge - 0.3 * torn;
+            ((sum - LEAST) / SPAN).clamp(0.0, 1.0)
+        })
 }
 
 /// The median margin of the image, at least 1.
-fn median_margin(margin: ArrayView2<'_, i16>) -> f32 {
-    let mut margins: Vec<i16> = margin.iter().copied().collect();
-    let middle = margins.len() / 2;
-    let (_, median, _) = margins.select_nth_unstable(middle);
-    f32::from(*median).max(1.0)
+fn median_margin(margin: ArrayView2<'_, u8>) -> f32 {
+    let mut counts = [0; 256];
+    for margin in margin {
+        counts[usize::from(*margin)] += 1;
+    }
+    let mut below = 0;
+    let median = counts.iter().position(|count| {
+        below += count;
+        below > margin.len() / 2
+    });
+    median.map_or(1.0, |median| median.max(1) as f32)
 }

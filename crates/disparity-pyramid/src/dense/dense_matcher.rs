@@ -3,7 +3,7 @@ use v1_gabor::{
     BadParams, Binocular, FilterBank, GaborParams, Responses, Size, V1Responses, WaveVector,
 };
 
-use crate::dense::aggregate::{Winners, aggregate};
+use crate::dense::aggregate::{Ground, Winners, aggregate};
 use crate::dense::confidence::{Evidence, confidence};
 use crate::dense::cross_arms::CrossArms;
 use crate::dense::dense_params::{Acuity, BadDenseParam, Cost, DenseParams, LookBack};
@@ -21,7 +21,6 @@ use crate::dense::search_range::SearchRange;
 use crate::dense::slanted_cells::fit_surfaces;
 use crate::dense::speckles::reject_speckles;
 use crate::dense::step_penalty::StepPenalty;
-use crate::dense::strip::Ground;
 use crate::dense::voting::vote;
 use crate::median::median_of_known;
 use crate::{DisparityField, MedianRadius, Validity};
@@ -132,18 +131,20 @@ impl DenseMatcher {
         let guides = eyes.map(|eye| Guide::of(&eye, self.params.colour));
         let responses = eyes.try_map(|eye| respond(&self.cost_bank, &eye))?;
         let planes = responses.as_ref().map(finest);
+        let penalty = StepPenalty::new(&self.params);
         // The responses themselves are large: only hyperacuity may need them once more.
         let (winners, other_dx, responses) = match self.params.cost {
             Cost::PhaseAgreement => {
-                let cost = PhaseAgreement::new(planes, self.params.silent_energy, search);
+                let cost =
+                    PhaseAgreement::new(planes, self.params.silent_energy, search, penalty.unit);
                 let responses = self.kept_for_acuity(responses);
-                let (winners, other_dx) = self.compete(&cost, &guides, search);
+                let (winners, other_dx) = self.compete(&cost, &guides, &penalty, search);
                 (winners, other_dx, responses)
             }
             Cost::PhaseQuadrants => {
-                let cost = PhaseQuadrants::new(planes, search);
+                let cost = PhaseQuadrants::new(planes, search, penalty.unit);
                 let responses = self.kept_for_acuity(responses);
-                let (winners, other_dx) = self.compete(&cost, &guides, search);
+                let (winners, other_dx) = self.compete(&cost, &guides, &penalty, search);
                 (winners, other_dx, responses)
             }
         };
@@ -210,13 +211,13 @@ impl DenseMatcher {
         &self,
         cost: &C,
         guides: &Binocular<Guide>,
+        penalty: &StepPenalty,
         search: SearchRange,
     ) -> (Winners, Array2<f32>) {
-        let penalty = StepPenalty::new(&self.params);
         let ground = Ground {
             cost,
             guide: &guides.left,
-            penalty: &penalty,
+            penalty,
             shifts: search.shifts(),
         };
         let own_paths = self.params.look_back == LookBack::OwnPaths;
@@ -242,7 +243,7 @@ impl DenseMatcher {
     fn judge(
         &self,
         dx: &Array2<f32>,
-        margin: &Array2<i16>,
+        margin: &Array2<u8>,
         other_dx: &Array2<f32>,
         search: SearchRange,
     ) -> Array2<Validity> {

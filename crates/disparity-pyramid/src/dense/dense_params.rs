@@ -80,7 +80,7 @@ impl DenseParams {
             colour: true,
             small_step: 1.0,
             large_step: 16.0,
-            edge_softness: 0.03,
+            edge_softness: 0.02,
             look_back: LookBack::OwnPaths,
             left_right_px: 1.0,
             least_patch: 30,
@@ -91,13 +91,16 @@ impl DenseParams {
         }
     }
 
-    /// For robots: the quadrants of the phases, one aggregation for both eyes, one bank for
-    /// hyperacuity.
+    /// For robots: one aggregation for both eyes, one bank for hyperacuity, grey guides, neither votes
+    /// nor surface cells.
     #[must_use]
     pub const fn fast() -> Self {
         Self {
-            cost: Cost::PhaseQuadrants,
+            silent_energy: 1e-6,
             colour: false,
+            small_step: 1.2,
+            large_step: 6.4,
+            edge_softness: 0.04,
             look_back: LookBack::SamePaths,
             votes: 0,
             acuity: Acuity::CostBank,

@@ -1,80 +1,289 @@
-use ndarray::{Array2, Zip};
+use ndarray::Array2;
+use pulp::{Arch, NullaryFnOnce};
 
 use crate::dense::partial_field::{PartialField, is_hidden};
 
-/// Directions in which a missed pixel looks for known ones: (x, y) steps, sixteen of them.
-const DIRECTIONS: [(isize, isize); 16] = [
-    (1, 0),
-    (2, 1),
-    (1, 1),
-    (1, 2),
-    (0, 1),
-    (-1, 2),
-    (-1, 1),
-    (-2, 1),
-    (-1, 0),
-    (-2, -1),
-    (-1, -1),
-    (-1, -2),
-    (0, -1),
-    (1, -2),
-    (1, -1),
-    (2, -1),
-];
+/// Directions in which a missed pixel looks for known ones.
+const DIRECTIONS: usize = 16;
+
+/// Those that lead to rows further on, as (x, rows) steps; the others are the same the other way
+/// round, and along the row itself.
+const ONWARD: [(isize, usize); 7] = [(2, 1), (1, 1), (1, 2), (0, 1), (-1, 2), (-1, 1), (-2, 1)];
+
+/// The farthest step, in pixels along a row and in rows.
+const FARTHEST: usize = 2;
+
+/// Pixels whose shifts are sorted side by side.
+const LANES: usize = 16;
 
 /// The field with a shift everywhere: a hidden pixel takes what lies behind it on its row, any other
-/// the median of the nearest known shifts around it, `otherwise` if nothing at all is known there.
+/// the median of the nearest known shifts in sixteen directions (of two in the middle the farther),
+/// `otherwise` if nothing at all is known there.
+///
+/// What a pixel sees in a direction is what its neighbour there is or sees. So one walk up the image
+/// and one down tell every pixel, however far it has to look.
 pub(crate) fn fill(field: &PartialField, otherwise: f32) -> Array2<f32> {
+    let (height, width) = field.dx.dim();
     let mut filled = field.dx.clone();
-    Zip::indexed(filled.rows_mut()).par_for_each(|y, mut filled| {
-        let behind = field.backgrounds(y);
-        for (x, dx) in filled.iter_mut().enumerate() {
-            if !field.known[[y, x]] {
-                let behind = behind[x].filter(|_| is_hidden(field.validity[[y, x]]));
-                *dx = behind
-                    .or_else(|| median_around(field, x, y))
-                    .unwrap_or(otherwise);
+    // The columns of each row that must look around.
+    let mut missed = Vec::with_capacity(height);
+    for (y, mut filled) in filled.rows_mut().into_iter().enumerate() {
+        let mut columns = Vec::new();
+        let (known, validity) = (field.known.row(y), field.validity.row(y));
+        if known.iter().any(|known| !known) {
+            let behind = field.backgrounds(y);
+            for (x, dx) in filled.iter_mut().enumerate() {
+                if !known[x] {
+                    match behind[x].filter(|_| is_hidden(validity[x])) {
+                        Some(behind) => *dx = behind,
+                        None => columns.push(x),
+                    }
+                }
             }
         }
-    });
+        missed.push(columns);
+    }
+
+    let mut below = Vec::new();
+    let mut onward = Onward::new(width);
+    for y in (0..height).rev() {
+        for &x in &missed[y] {
+            below.push(onward.seen_from(x));
+        }
+        onward.pass(field, y);
+    }
+    let mut onward = Onward::new(width);
+    for (y, columns) in missed.iter().enumerate() {
+        if !columns.is_empty() {
+            let (left, right) = beside(field, y);
+            let from_below = below.split_off(below.len() - columns.len());
+            let around = columns.iter().zip(from_below).map(|(&x, below)| {
+                let above = onward.seen_from(x);
+                let mut around = [left[x]; DIRECTIONS];
+                around[1] = right[x];
+                around[2..9].copy_from_slice(&above);
+                around[9..].copy_from_slice(&below);
+                around
+            });
+            let around: Vec<[f32; DIRECTIONS]> = around.collect();
+            for (columns, around) in columns.chunks(LANES).zip(around.chunks(LANES)) {
+                for (x, median) in columns.iter().zip(medians(around)) {
+                    filled[[y, *x]] = median.unwrap_or(otherwise);
+                }
+            }
+        }
+        onward.pass(field, y);
+    }
     filled
 }
 
-/// The median of the nearest known shifts in sixteen directions; of two in the middle the farther.
-fn median_around(field: &PartialField, x: usize, y: usize) -> Option<f32> {
-    let (height, width) = field.dx.dim();
-    let (Some(dx), Some(known)) = (field.dx.as_slice(), field.known.as_slice()) else {
-        unreachable!("planes are made in row-major order")
-    };
-    let here = y * width + x;
-    let mut found = [0.0; DIRECTIONS.len()];
-    let mut count = 0;
-    for (step_x, step_y) in DIRECTIONS {
-        // Steps that stay within the image.
-        let within = |at: usize, length: usize, step: isize| match step {
-            0 => usize::MAX,
-            1.. => (length - 1 - at) / step.unsigned_abs(),
-            _ => at / step.unsigned_abs(),
-        };
-        let steps = within(x, width, step_x).min(within(y, height, step_y));
-        let stride = step_y * width as isize + step_x;
-        let places = (1..=steps).map(|step| here.wrapping_add_signed(stride * step as isize));
-        if let Some(place) = places.into_iter().find(|place| known[*place]) {
-            found[count] = dx[place];
-            count += 1;
+/// What is nearest in each direction that leads back to the rows walked over, from each pixel of
+/// the last of them, itself included: infinite where nothing is known.
+struct Onward {
+    /// For each direction the last rows, the latest first, between columns that know nothing.
+    rows: [[Vec<f32>; FARTHEST]; ONWARD.len()],
+    spare: Vec<f32>,
+    /// What a row itself knows.
+    own: Vec<f32>,
+}
+
+impl Onward {
+    fn new(width: usize) -> Self {
+        let row = || vec![f32::INFINITY; width + 2 * FARTHEST];
+        Self {
+            rows: std::array::from_fn(|_| [row(), row()]),
+            spare: row(),
+            own: vec![f32::INFINITY; width],
         }
     }
-    let found = &mut found[..count];
-    found.sort_by(f32::total_cmp);
-    found.get(count / 2).copied()
+
+    /// What pixel `x` of the next row sees.
+    fn seen_from(&self, x: usize) -> [f32; ONWARD.len()] {
+        std::array::from_fn(|i| {
+            let (step, rows) = ONWARD[i];
+            self.rows[i][rows - 1][(FARTHEST + x).wrapping_add_signed(step)]
+        })
+    }
+
+    /// Walks over row `y`.
+    fn pass(&mut self, field: &PartialField, y: usize) {
+        let own = field.dx.row(y).into_iter().zip(field.known.row(y));
+        for (seen, (dx, known)) in self.own.iter_mut().zip(own) {
+            *seen = if *known { *dx } else { f32::INFINITY };
+        }
+        for ([latest, before], (step, back)) in self.rows.iter_mut().zip(ONWARD) {
+            let from = if back == 1 { &*latest } else { &*before };
+            let from = &from[FARTHEST.wrapping_add_signed(step)..];
+            let mut next = std::mem::take(&mut self.spare);
+            let row = next[FARTHEST..].iter_mut().zip(from).zip(&self.own);
+            for ((next, &from), &own) in row {
+                *next = if own < f32::INFINITY { own } else { from };
+            }
+            self.spare = std::mem::replace(before, std::mem::replace(latest, next));
+        }
+    }
+}
+
+/// The nearest known shift to the left and to the right of each pixel of a row, infinite where there
+/// is none.
+fn beside(field: &PartialField, y: usize) -> (Vec<f32>, Vec<f32>) {
+    let (dx, known) = (field.dx.row(y), field.known.row(y));
+    let row = || dx.iter().zip(known);
+    let mut right = passed(row().rev());
+    right.reverse();
+    (passed(row()), right)
+}
+
+/// The last known shift before each on the way.
+fn passed<'a>(way: impl Iterator<Item = (&'a f32, &'a bool)>) -> Vec<f32> {
+    let passed = way.scan(f32::INFINITY, |last, (dx, known)| {
+        let before = *last;
+        *last = if *known { *dx } else { before };
+        Some(before)
+    });
+    passed.collect()
+}
+
+/// The median of what each of a few pixels sees, of two in the middle the farther; `None` if it
+/// sees nothing.
+fn medians(around: &[[f32; DIRECTIONS]]) -> [Option<f32>; LANES] {
+    let mut counts = [0; LANES];
+    let mut sorted = [[f32::INFINITY; LANES]; DIRECTIONS];
+    for (lane, around) in around.iter().enumerate() {
+        counts[lane] = around.iter().filter(|dx| dx.is_finite()).count();
+        for (sorted, dx) in sorted.iter_mut().zip(around) {
+            sorted[lane] = *dx;
+        }
+    }
+    Arch::new().dispatch(Sort(&mut sorted));
+    std::array::from_fn(|lane| {
+        let count = counts[lane];
+        (count > 0).then(|| sorted[count / 2][lane])
+    })
+}
+
+/// Sorts the columns of a block, the least first.
+struct Sort<'a>(&'a mut [[f32; LANES]; DIRECTIONS]);
+
+impl NullaryFnOnce for Sort<'_> {
+    type Output = ();
+
+    /// Batcher's network for sixteen: sorted runs are merged by pairs, in steps of halving distance.
+    #[inline(always)]
+    fn call(mut self) {
+        let mut run = 1;
+        while run < DIRECTIONS {
+            let mut distance = run;
+            while distance > 0 {
+                for start in (distance % run..DIRECTIONS - distance).step_by(2 * distance) {
+                    for low in start..(start + distance).min(DIRECTIONS - distance) {
+                        if low / (2 * run) == (low + distance) / (2 * run) {
+                            self.exchange(low, low + distance);
+                        }
+                    }
+                }
+                distance /= 2;
+            }
+            run *= 2;
+        }
+    }
+}
+
+impl Sort<'_> {
+    #[inline(always)]
+    fn exchange(&mut self, low: usize, high: usize) {
+        let (a, b) = (self.0[low], self.0[high]);
+        for lane in 0..LANES {
+            self.0[low][lane] = if a[lane] < b[lane] { a[lane] } else { b[lane] };
+            self.0[high][lane] = if a[lane] < b[lane] { b[lane] } else { a[lane] };
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use ndarray::Array2;
+    use proptest::prelude::*;
 
     use super::*;
     use crate::Validity;
+
+    proptest! {
+        /// Two walks over the image tell every pixel what it sees itself.
+        #[test]
+        fn walks_and_looks_agree(width in 1usize..30, height in 1usize..30, holes in 0u64..8, seed: u64) {
+            let mut state = seed | 1;
+            let mut random = |below: u64| {
+                state ^= state << 13;
+                state ^= state >> 7;
+                state ^= state << 17;
+                (state >> 20) % below
+            };
+            let dx = Array2::from_shape_simple_fn((height, width), || -(random(40) as f32));
+            let validity = Array2::from_shape_simple_fn((height, width), || {
+                if random(8) < holes { Validity::Inconsistent } else { Validity::Valid }
+            });
+            let field = PartialField::new(dx, validity);
+            let filled = fill(&field, 7.0);
+            for ((y, x), dx) in filled.indexed_iter() {
+                let want = if field.known[[y, x]] {
+                    field.dx[[y, x]]
+                } else {
+                    median_around(&field, x, y).unwrap_or(7.0)
+                };
+                prop_assert_eq!(*dx, want, "at ({}, {})", x, y);
+            }
+        }
+    }
+
+    /// The twin of [`fill`]: each pixel looks for itself. The median of the nearest known shifts in sixteen directions; of two in the middle the farther.
+    fn median_around(field: &PartialField, x: usize, y: usize) -> Option<f32> {
+        let (height, width) = field.dx.dim();
+        let (Some(dx), Some(known)) = (field.dx.as_slice(), field.known.as_slice()) else {
+            unreachable!("planes are made in row-major order")
+        };
+        let here = y * width + x;
+        let mut found = [0.0; DIRECTIONS];
+        let mut count = 0;
+        for (step_x, step_y) in STEPS {
+            // Steps that stay within the image.
+            let within = |at: usize, length: usize, step: isize| match step {
+                0 => usize::MAX,
+                1.. => (length - 1 - at) / step.unsigned_abs(),
+                _ => at / step.unsigned_abs(),
+            };
+            let steps = within(x, width, step_x).min(within(y, height, step_y));
+            let stride = step_y * width as isize + step_x;
+            let places = (1..=steps).map(|step| here.wrapping_add_signed(stride * step as isize));
+            if let Some(place) = places.into_iter().find(|place| known[*place]) {
+                found[count] = dx[place];
+                count += 1;
+            }
+        }
+        let found = &mut found[..count];
+        found.sort_by(f32::total_cmp);
+        found.get(count / 2).copied()
+    }
+
+    /// All directions, as (x, y) steps.
+    const STEPS: [(isize, isize); DIRECTIONS] = [
+        (1, 0),
+        (2, 1),
+        (1, 1),
+        (1, 2),
+        (0, 1),
+        (-1, 2),
+        (-1, 1),
+        (-2, 1),
+        (-1, 0),
+        (-2, -1),
+        (-1, -1),
+        (-1, -2),
+        (0, -1),
+        (1, -2),
+        (1, -1),
+        (2, -1),
+    ];
 
     #[test]
     fn hidden_pixels_take_the_background_and_missed_ones_their_surroundings() {

@@ -23,7 +23,8 @@ impl Guide {
                 .map(|channel| rgb.iter().map(|colour| colour[channel]).collect())
                 .collect(),
             None => {
-                let grey = |luma: &f32| (luma * 255.0).round() as u8;
+                // Half a step more rounds, as what is below nothing becomes nothing.
+                let grey = |luma: &f32| (luma * 255.0 + 0.5) as u8;
                 vec![view.luma.plane().iter().map(grey).collect()]
             }
         };

@@ -1,16 +1,20 @@
 use std::f32::consts::FRAC_PI_2;
 
-use ndarray::{Array2, ArrayView2, Axis};
-use pulp::{Arch, NullaryFnOnce, Scalar};
+use ndarray::{Array2, ArrayView1, ArrayView2};
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 use v1_gabor::{Binocular, Responses, WaveVector};
 
+use crate::dense::nearest::{ROUNDER, nearest};
 use crate::phase::{angle, cosine, wrap};
-use crate::vector::lanes;
+use crate::vector::{store, vector};
 
 /// The most that the phase may move a shift, in pixels: what is left of a whole pixel after the
 /// parabola.
 const MOST_STEP_PX: f32 = 0.4;
+
+/// Beyond this a step is not told any more exactly, in pixels.
+const FAR_STEP_PX: f32 = 4.0;
 
 /// Least agreement of the phases with the shift that they give together.
 const LEAST_COHERENCE: f32 = 0.5;
@@ -21,6 +25,12 @@ const MOST_RANGE_PX: f32 = 1.5;
 
 /// Most banks that are asked together.
 pub(crate) const MOST_BANKS: usize = 2;
+
+/// Most orientations of a bank.
+const MOST_ORIENTATIONS: usize = 8;
+
+/// At least the lanes of the widest vector there is.
+const MOST_LANES: usize = 16;
 
 /// Both eyes' responses of one bank.
 #[derive(Clone, Copy, Debug)]
@@ -45,122 +55,172 @@ pub(crate) fn sharpen(
     steady: ArrayView2<'_, bool>,
 ) -> Array2<f32> {
     let mut coherence = Array2::zeros(dx.dim());
-    let rows = dx.axis_iter_mut(Axis(0)).into_par_iter();
-    let coherences = coherence.axis_iter_mut(Axis(0)).into_par_iter();
-    rows.zip(coherences)
-        .enumerate()
-        .for_each(|(y, (mut dx, mut coherence))| {
-            let row = Row {
-                bands,
-                y,
-                dx: dx.iter_mut().zip(coherence.iter_mut()),
-                gates: ranges.row(y).into_iter().zip(steady.row(y)),
-            };
-            // Loops over orientations have a known length: those of the cost, or the paper's.
-            if bands.iter().all(|band| band.waves.len() <= 4) {
-                Arch::new().dispatch(InLanes::<4, _>(row));
-            } else {
-                Arch::new().dispatch(InLanes::<8, _>(row));
-            }
-        });
-    coherence
-}
-
-struct Row<'a, I, J> {
-    bands: &'a [Band<'a>],
-    y: usize,
-    dx: I,
-    gates: J,
-}
-
-/// One row with the orientations in `LANES` lanes.
-struct InLanes<const LANES: usize, R>(R);
-
-impl<'a, const LANES: usize, I, J> NullaryFnOnce for InLanes<LANES, Row<'_, I, J>>
-where
-    I: Iterator<Item = (&'a mut f32, &'a mut f32)>,
-    J: Iterator<Item = (&'a f32, &'a bool)>,
-{
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        let Row {
+    let width = dx.ncols();
+    let rows = dx
+        .as_slice_mut()
+        .expect(CONTIGUOUS)
+        .par_chunks_mut(width)
+        .zip(
+            coherence
+                .as_slice_mut()
+                .expect(CONTIGUOUS)
+                .par_chunks_mut(width),
+        );
+    rows.enumerate().for_each(|(y, (dx, coherence))| {
+        Arch::new().dispatch(Row {
             bands,
             y,
             dx,
-            gates,
-        } = self.0;
-        for (x, ((dx, coherence), (range, steady))) in dx.zip(gates).enumerate() {
-            let (step, agreement) = residual::<LANES>(bands, x, y, *dx);
-            *coherence = agreement;
-            let takes = *steady
-                && *range < MOST_RANGE_PX
-                && agreement > LEAST_COHERENCE
-                && step.abs() < MOST_STEP_PX;
-            if takes {
-                *dx += step;
+            coherence,
+            ranges: ranges.row(y),
+            steady: steady.row(y),
+        });
+    });
+    coherence
+}
+
+const CONTIGUOUS: &str = "planes are made in row-major order";
+
+/// One row of pixels, of which as many as a vector holds are asked side by side.
+struct Row<'a> {
+    bands: &'a [Band<'a>],
+    y: usize,
+    dx: &'a mut [f32],
+    coherence: &'a mut [f32],
+    ranges: ArrayView1<'a, f32>,
+    steady: ArrayView1<'a, bool>,
+}
+
+impl WithSimd for Row<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let mut place = Block::default();
+        for start in (0..self.dx.len()).step_by(S::F32_LANES) {
+            let end = (start + S::F32_LANES).min(self.dx.len());
+            place.dx = [0.0; MOST_LANES];
+            place.dx[..end - start].copy_from_slice(&self.dx[start..end]);
+            let (steps, agreements) = residual(simd, self.bands, start..end, self.y, &mut place);
+            for (i, x) in (start..end).enumerate() {
+                let takes = self.steady[x]
+                    && self.ranges[x] < MOST_RANGE_PX
+                    && agreements[i] > LEAST_COHERENCE
+                    && steps[i].abs() < MOST_STEP_PX;
+                self.coherence[x] = agreements[i];
+                if takes {
+                    self.dx[x] += steps[i];
+                }
             }
         }
     }
 }
 
-/// The shift that the phases at a pixel still ask for, and their agreement with it.
-#[inline(always)]
-fn residual<const LANES: usize>(bands: &[Band<'_>], x: usize, y: usize, dx: f32) -> (f32, f32) {
-    let whole = nearest(dx);
-    let seen = x as f32 + whole;
-    let width = bands.first().map_or(0, |band| band.eyes.right.size().width);
-    if !(seen >= 0.0 && seen < width as f32) {
-        return (0.0, 0.0);
-    }
-    let mut phases = [[0.0; LANES]; MOST_BANKS];
-    let mut weights = [[0.0; LANES]; MOST_BANKS];
-    let mut waves = [[0.0; LANES]; MOST_BANKS];
-    let (mut numerator, mut denominator, mut heard) = (0.0, 0.0, 0.0);
-    for (i, band) in bands.iter().take(MOST_BANKS).enumerate() {
-        let left = band.eyes.left.pixel(x, y);
-        let right = band.eyes.right.pixel(seen as usize, y);
-        let (le, lo) = (lanes::<LANES>(left.even), lanes::<LANES>(left.odd));
-        let (re, ro) = (lanes::<LANES>(right.even), lanes::<LANES>(right.odd));
-        for (lane, wave) in waves[i].iter_mut().zip(band.waves) {
-            *lane = wave.x;
-        }
-        for q in 0..LANES {
-            let even = re[q] * le[q] + ro[q] * lo[q];
-            let odd = ro[q] * le[q] - re[q] * lo[q];
-            let moved = waves[i][q] * (dx - whole);
-            let phase = wrap(Scalar, angle(Scalar, odd, even) + moved);
-            let product = (even * even + odd * odd).sqrt();
-            let energy = le[q] * le[q] + lo[q] * lo[q] + re[q] * re[q] + ro[q] * ro[q];
-            let balance = 2.0 * product / energy.max(f32::MIN_POSITIVE);
-            let weight = product.sqrt() * balance * balance;
-            let weight = if phase.abs() > FRAC_PI_2 { 0.0 } else { weight };
-            phases[i][q] = phase;
-            weights[i][q] = weight;
-        }
-        for q in 0..LANES {
-            numerator += weights[i][q] * waves[i][q] * phases[i][q];
-            denominator += weights[i][q] * waves[i][q] * waves[i][q];
-            heard += weights[i][q];
-        }
-    }
-    if denominator <= f32::MIN_POSITIVE {
-        return (0.0, 0.0);
-    }
-    let step = -numerator / denominator;
-    let mut agreement = 0.0;
-    for i in 0..bands.len().min(MOST_BANKS) {
-        for q in 0..LANES {
-            agreement += weights[i][q] * cosine(Scalar, phases[i][q] + waves[i][q] * step);
-        }
-    }
-    (step, agreement / heard)
+/// What is known of a few neighbouring pixels, lane by lane.
+struct Block {
+    dx: [f32; MOST_LANES],
+    /// Even and odd parts of each orientation of both eyes, the right ones at the shifted pixel.
+    left: [[f32; MOST_LANES]; 2 * MOST_ORIENTATIONS],
+    right: [[f32; MOST_LANES]; 2 * MOST_ORIENTATIONS],
+    /// Phases and weights of all orientations of all bands.
+    phases: [[f32; MOST_LANES]; MOST_BANKS * MOST_ORIENTATIONS],
+    weights: [[f32; MOST_LANES]; MOST_BANKS * MOST_ORIENTATIONS],
 }
 
-/// The nearest whole number, without a call: adding and taking away 1.5 * 2^23 rounds.
+impl Default for Block {
+    fn default() -> Self {
+        Self {
+            dx: [0.0; MOST_LANES],
+            left: [[0.0; MOST_LANES]; 2 * MOST_ORIENTATIONS],
+            right: [[0.0; MOST_LANES]; 2 * MOST_ORIENTATIONS],
+            phases: [[0.0; MOST_LANES]; MOST_BANKS * MOST_ORIENTATIONS],
+            weights: [[0.0; MOST_LANES]; MOST_BANKS * MOST_ORIENTATIONS],
+        }
+    }
+}
+
+/// The shifts that the phases at a few pixels still ask for, and their agreement with them.
 #[inline(always)]
-fn nearest(value: f32) -> f32 {
-    const ROUNDER: f32 = 12_582_912.0;
-    (value + ROUNDER) - ROUNDER
+fn residual<S: Simd>(
+    simd: S,
+    bands: &[Band<'_>],
+    pixels: std::ops::Range<usize>,
+    y: usize,
+    place: &mut Block,
+) -> ([f32; MOST_LANES], [f32; MOST_LANES]) {
+    let splat = |value| simd.splat_f32s(value);
+    let (zero, tiny) = (splat(0.0), splat(f32::MIN_POSITIVE));
+    let dx = vector(simd, &place.dx, 0);
+    let rounder = splat(ROUNDER);
+    let whole = simd.sub_f32s(simd.add_f32s(dx, rounder), rounder);
+    let beyond = simd.sub_f32s(dx, whole);
+    let (mut numerator, mut denominator, mut heard) = (zero, zero, zero);
+    let mut channel = 0;
+    for band in bands.iter().take(MOST_BANKS) {
+        let Block {
+            dx, left, right, ..
+        } = place;
+        let parts = 2 * band.waves.len();
+        let row = y * band.eyes.left.size().width * parts;
+        let (own, other) = (band.eyes.left.samples(), band.eyes.right.samples());
+        let width = band.eyes.right.size().width;
+        for (lane, x) in pixels.clone().enumerate() {
+            let seen = x as f32 + nearest(dx[lane]);
+            let in_view = seen >= 0.0 && seen < width as f32;
+            let own = &own[row + x * parts..][..parts];
+            let seen = if in_view { seen as usize } else { 0 };
+            let other = &other[row + seen * parts..][..parts];
+            // What is out of view answers nothing.
+            let view = f32::from(u8::from(in_view));
+            for part in 0..parts {
+                left[part][lane] = own[part];
+                right[part][lane] = view * other[part];
+            }
+        }
+        for (q, wave) in band.waves.iter().enumerate() {
+            let read = |parts: &[[f32; MOST_LANES]], part: usize| vector(simd, &parts[part], 0);
+            let odd_part = band.waves.len() + q;
+            let (le, lo) = (read(&place.left, q), read(&place.left, odd_part));
+            let (re, ro) = (read(&place.right, q), read(&place.right, odd_part));
+            let two = |a, b, c, d| simd.mul_add_e_f32s(a, b, simd.mul_f32s(c, d));
+            let even = two(re, le, ro, lo);
+            let odd = simd.sub_f32s(simd.mul_f32s(ro, le), simd.mul_f32s(re, lo));
+            let wave_x = splat(wave.x);
+            let turned = simd.mul_add_e_f32s(wave_x, beyond, angle(simd, odd, even));
+            let phase = wrap(simd, turned);
+            let product = simd.sqrt_f32s(two(even, even, odd, odd));
+            let energy = simd.add_f32s(two(le, le, lo, lo), two(re, re, ro, ro));
+            let twice = simd.add_f32s(product, product);
+            let balance = simd.div_f32s(twice, simd.max_f32s(energy, tiny));
+            let weight = simd.mul_f32s(simd.sqrt_f32s(product), simd.mul_f32s(balance, balance));
+            let opposed = simd.less_than_f32s(splat(FRAC_PI_2), simd.abs_f32s(phase));
+            let weight = simd.select_f32s(opposed, zero, weight);
+            let weighed = simd.mul_f32s(weight, wave_x);
+            numerator = simd.mul_add_e_f32s(weighed, phase, numerator);
+            denominator = simd.mul_add_e_f32s(weighed, wave_x, denominator);
+            heard = simd.add_f32s(heard, weight);
+            store(simd, &mut place.phases[channel], 0, phase);
+            store(simd, &mut place.weights[channel], 0, weight);
+            channel += 1;
+        }
+    }
+    let anything = simd.less_than_f32s(tiny, denominator);
+    let step = simd.div_f32s(simd.neg_f32s(numerator), simd.max_f32s(denominator, tiny));
+    // Where only the orientation along the rows is heard, a step can be anything; so far it is
+    // refused, and a cosine would lose its angle.
+    let far = simd.min_f32s(simd.max_f32s(step, splat(-FAR_STEP_PX)), splat(FAR_STEP_PX));
+    let step = simd.select_f32s(anything, far, zero);
+    let mut agreement = zero;
+    let waves = bands.iter().take(MOST_BANKS).flat_map(|band| band.waves);
+    for ((phase, weight), wave) in place.phases.iter().zip(&place.weights).zip(waves) {
+        let left_over = simd.mul_add_e_f32s(splat(wave.x), step, vector(simd, phase, 0));
+        let agrees = cosine(simd, left_over);
+        agreement = simd.mul_add_e_f32s(vector(simd, weight, 0), agrees, agreement);
+    }
+    let agreement = simd.div_f32s(agreement, simd.max_f32s(heard, tiny));
+    let agreement = simd.select_f32s(anything, agreement, zero);
+    let (mut steps, mut agreements) = ([0.0; MOST_LANES], [0.0; MOST_LANES]);
+    store(simd, &mut steps, 0, step);
+    store(simd, &mut agreements, 0, agreement);
+    (steps, agreements)
 }

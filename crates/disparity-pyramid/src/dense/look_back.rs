@@ -1,5 +1,6 @@
 use ndarray::{Array2, ArrayView1, ArrayView2, Zip};
 
+use crate::dense::nearest::nearest;
 use crate::{SearchRange, Validity};
 
 /// Follows each shift to the other eye and asks what that eye's own shift there is (`other_dx`,
@@ -20,7 +21,7 @@ pub(crate) fn look_back(
         .par_for_each(|mut verdicts, dx, other_dx| {
             let claimed = claimed(other_dx, search);
             for (x, (verdict, &dx)) in verdicts.iter_mut().zip(dx).enumerate() {
-                let seen = (x as f32 + dx).round();
+                let seen = nearest(x as f32 + dx);
                 *verdict = if !(seen >= 0.0 && seen < width as f32) {
                     Validity::OutOfView
                 } else if (dx - other_dx[seen as usize]).abs() <= tolerance_px {
@@ -42,7 +43,7 @@ fn claimed(other_dx: ArrayView1<'_, f32>, search: SearchRange) -> Vec<bool> {
     let mut claimed = vec![false; other_dx.len()];
     for (seen, dx) in other_dx.iter().enumerate() {
         // An eye that says nothing, NaN, claims nothing: no comparison below holds.
-        let from = (seen as f32 - dx).round();
+        let from = nearest(seen as f32 - dx);
         for x in [from - 1.0, from, from + 1.0] {
             let shift = seen as f32 - x;
             let tried = (search.least_dx() as f32..=search.most_dx() as f32).contains(&shift);

@@ -1,45 +1,53 @@
 use crate::dense::pixel_cost::LANES;
 use crate::dense::wide::Wide;
 
-/// More than any path costs, and little enough that four paths and a penalty add up.
-pub(crate) const FAR: i16 = i16::MAX / 8;
+/// What stands beside the first and the last shift of a path: no path is dearer.
+pub(crate) const FAR: u8 = u8::MAX;
 
-/// The largest penalty, in units of cost, that keeps every path below [`FAR`].
+/// The largest penalty, in units of cost, that leaves a cost some steps of a byte.
 pub(crate) const MOST_PENALTY: f32 = 50.0;
+
+/// The costs of a path before its first pixel, where nothing has been paid, between two places that
+/// cost [`FAR`].
+pub(crate) fn unpaid(run: &mut [u8]) {
+    run.fill(0);
+    if let [first, .., last] = run {
+        (*first, *last) = (FAR, FAR);
+    }
+}
 
 /// One step of a path to its next pixel:
 /// `L(d) = C(d) + min(L'(d), L'(d - 1) + P1, L'(d + 1) + P1, min L' + P2) - min L'`.
 ///
 /// `before` and `now` hold the runs at the two pixels, each between two places that cost [`FAR`];
-/// `least` is the least cost of `before`. Returns the least of `now`. Places from `shifts` on are
-/// no shifts, and stay far.
+/// `least` is the least cost of `before`. `each` gets every vector of the new costs with its number.
+/// Returns the least of `now`. A place that costs 255 is no shift, and stays as dear.
 #[inline(always)]
 pub(crate) fn path_step<W: Wide>(
     wide: W,
-    before: &[i16],
-    least: i16,
-    (small, large): (i16, i16),
-    costs: &[u8],
-    shifts: usize,
-    now: &mut [i16],
-) -> i16 {
-    let places = costs.len();
+    before: &[u8],
+    least: u8,
+    (small, large): (u8, u8),
+    costs: &[[u8; LANES]],
+    now: &mut [u8],
+    mut each: impl FnMut(usize, W::Bytes),
+) -> u8 {
+    let places = costs.len() * LANES;
     let below = before[..places].as_chunks::<LANES>().0;
     let same = before[1..places + 1].as_chunks::<LANES>().0;
     let above = before[2..places + 2].as_chunks::<LANES>().0;
-    let costs = costs.as_chunks::<LANES>().0;
     let next = now[1..places + 1].as_chunks_mut::<LANES>().0;
-    let (base, jump) = (wide.splat(least), wide.splat(least + large));
+    let (base, jump) = (wide.splat(least), wide.splat(least.saturating_add(large)));
     let small = wide.splat(small);
     let mut lowest = wide.splat(FAR);
     let runs = below.iter().zip(same).zip(above).zip(costs).zip(next);
-    for ((((below, same), above), costs), next) in runs {
+    for (i, ((((below, same), above), costs), next)) in runs.enumerate() {
         let beside = wide.add(wide.min(wide.load(below), wide.load(above)), small);
         let cheapest = wide.min(wide.min(wide.load(same), beside), jump);
-        let cost = wide.add(wide.sub(cheapest, base), wide.load_bytes(costs));
+        let cost = wide.add(wide.sub(cheapest, base), wide.load(costs));
         wide.store(cost, next);
         lowest = wide.min(lowest, cost);
+        each(i, cost);
     }
-    now[shifts + 1..].fill(FAR);
     wide.least(lowest)
 }

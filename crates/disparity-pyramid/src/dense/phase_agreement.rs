@@ -1,3 +1,4 @@
+use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 use v1_gabor::{Binocular, Responses};
 
@@ -9,44 +10,53 @@ use crate::dense::wide::Wide;
 /// Orientations of the bank that the cost is taken from: more change nothing.
 pub(crate) const COST_ORIENTATIONS: usize = 4;
 
-/// Even and odd parts of all orientations.
-const PARTS: usize = 2 * COST_ORIENTATIONS;
+/// What is added to a part so that it has no sign: more than any part.
+const BIAS: u8 = 90;
 
-/// The largest modulus of a coded response. The sum over the orientations of the product of two of
-/// them, rounding of the parts included, stays within 15 bits.
-const FULL: f32 = 89.0;
+/// Where the sum of the products of two pixels' parts is cut off: the rest is the cost.
+const CUT: f32 = 1024.0;
 
 /// The energy of position-shifted binocular cells:
 /// `C(x, dx) = 1 - sum_q Re(u_q^L(x) conj u_q^R(x + dx))`, from 0 (all phases agree) to 2.
 ///
 /// The responses are normalised channel by channel, `u_q = Q_q / sqrt(|Q_q|^2 + eps) / sqrt K`, to
 /// nearly pure phase: a gain or an offset between the cameras drops out. No angle is computed; the
-/// real part of the product is the cosine of the phase difference. Sixteen shifts are compared side
-/// by side in 16-bit integers, which hold the sum exactly.
+/// real part of the product is the cosine of the phase difference. Parts are bytes; thirty-two shifts
+/// are compared side by side, and 16-bit integers hold the sums of their products exactly.
 #[derive(Debug)]
 pub(crate) struct PhaseAgreement {
     eyes: Binocular<NormalisedResponses>,
     padding: Padding,
+    /// The largest sum of products that two pixels can have.
+    most: i16,
 }
 
-/// Normalised responses `[[y, part, padded x]]`, in units of 1 / (2 FULL).
+/// Normalised responses `[[y, orientation, padded x, part]]`, in units of 1 / (2 sqrt(256 unit)), and
+/// [`BIAS`] more.
 #[derive(Clone, Debug)]
 struct NormalisedResponses {
     stride: usize,
-    parts: Vec<i16>,
+    parts: Vec<[u8; 2]>,
 }
 
 impl PhaseAgreement {
-    /// Takes the finest responses of both eyes, of [`COST_ORIENTATIONS`] orientations each.
+    /// Takes the finest responses of both eyes, of [`COST_ORIENTATIONS`] orientations each. `unit`
+    /// is what a unit of cost is.
     pub(crate) fn new(
         eyes: Binocular<&Responses>,
         silent_energy: f32,
         search: SearchRange,
+        unit: u8,
     ) -> Self {
         let padding = Padding::of(search);
+        // The sum over the orientations of the products of full responses is a unit, cut off.
+        let full = (f32::from(unit) * CUT / COST_ORIENTATIONS as f32).sqrt();
+        // Rounding lengthens a pixel's vector of eight parts by at most half of sqrt 8.
+        let longest = (COST_ORIENTATIONS as f32).sqrt() * full + 2.0f32.sqrt();
         Self {
-            eyes: eyes.map(|eye| NormalisedResponses::of(eye, silent_energy, padding)),
+            eyes: eyes.map(|eye| NormalisedResponses::of(eye, silent_energy, full, padding)),
             padding,
+            most: (longest * longest).ceil() as i16,
         }
     }
 }
@@ -55,35 +65,32 @@ impl PixelCost for PhaseAgreement {
     #[inline(always)]
     fn costs<W: Wide>(&self, wide: W, x: usize, y: usize, costs: &mut [u8]) {
         let place = self.padding.place(x);
-        let first = self.padding.first(x);
+        let run = self.padding.first(x)..self.padding.first(x) + costs.len();
         let (left, right) = (&self.eyes.left, &self.eyes.right);
-        let part = |part: usize| {
-            let run = &right.row(y, part)[first..first + costs.len()];
-            let runs = run.as_chunks::<LANES>().0;
-            (wide.splat(left.row(y, part)[place]), runs)
+        let own: [[u8; 2]; COST_ORIENTATIONS] = std::array::from_fn(|q| left.row(y, q)[place]);
+        // The products with the bias of the other eye's parts are the same for all shifts.
+        let biased = own.as_flattened().iter().fold(0i16, |sum, part| {
+            sum.wrapping_add(i16::from(*part) - i16::from(BIAS))
+        });
+        let base = self.most.wrapping_add(i16::from(BIAS).wrapping_mul(biased));
+        let left = Left {
+            base: wide.splat_word(base),
+            pairs: [
+                splat_without_bias(wide, own[0]),
+                splat_without_bias(wide, own[1]),
+                splat_without_bias(wide, own[2]),
+                splat_without_bias(wide, own[3]),
+            ],
         };
-        // One by one, since an array of them would live in memory.
-        let ((a, runs_a), (b, runs_b)) = (part(0), part(1));
-        let ((c, runs_c), (d, runs_d)) = (part(2), part(3));
-        let ((e, runs_e), (f, runs_f)) = (part(4), part(5));
-        let ((g, runs_g), (h, runs_h)) = (part(6), part(7));
-        let first_half = runs_a.iter().zip(runs_b).zip(runs_c).zip(runs_d);
-        let second_half = runs_e.iter().zip(runs_f).zip(runs_g).zip(runs_h);
-        let blocks = costs.as_chunks_mut::<LANES>().0;
-        for ((one, other), costs) in first_half.zip(second_half).zip(blocks) {
-            let (((ra, rb), rc), rd) = one;
-            let (((re, rf), rg), rh) = other;
-            let four = |(a, ra), (b, rb), (c, rc), (d, rd)| {
-                let ab = wide.add(wide.mul(a, wide.load(ra)), wide.mul(b, wide.load(rb)));
-                let cd = wide.add(wide.mul(c, wide.load(rc)), wide.mul(d, wide.load(rd)));
-                wide.add(ab, cd)
-            };
-            let agreement = wide.add(
-                four((a, ra), (b, rb), (c, rc), (d, rd)),
-                four((e, re), (f, rf), (g, rg), (h, rh)),
-            );
-            // From 0 to 2 in 16 bits, of which the upper 7 are kept.
-            wide.store_upper_7(wide.sub(wide.splat(i16::MAX), agreement), costs);
+        let runs_a = blocks(right.row(y, 0), &run);
+        let runs_b = blocks(right.row(y, 1), &run);
+        let runs_c = blocks(right.row(y, 2), &run);
+        let runs_d = blocks(right.row(y, 3), &run);
+        let runs = runs_a.iter().zip(runs_b).zip(runs_c.iter().zip(runs_d));
+        for (costs, ((a, b), (c, d))) in costs.as_chunks_mut::<LANES>().0.iter_mut().zip(runs) {
+            let first = left.disagreement(wide, [&a[0], &b[0], &c[0], &d[0]]);
+            let second = left.disagreement(wide, [&a[1], &b[1], &c[1], &d[1]]);
+            wide.store(wide.upper_6(first, second), costs);
         }
     }
 
@@ -93,49 +100,121 @@ impl PixelCost for PhaseAgreement {
                 left: self.eyes.right.mirrored(self.padding),
                 right: self.eyes.left.mirrored(self.padding),
             },
-            padding: self.padding,
+            ..*self
         }
     }
 }
 
-/// The nearest integer to a number of at most four digits, without a call: adding 1.5 * 2^23 leaves
-/// it in the lower bits.
+/// A run of a row in blocks of as many pixels as are compared side by side, in two halves.
 #[inline(always)]
-fn nearest(value: f32) -> i16 {
-    (value + 12_582_912.0).to_bits() as i16
+fn blocks<'a>(row: &'a [[u8; 2]], run: &std::ops::Range<usize>) -> &'a [[[u8; LANES]; 2]] {
+    row[run.clone()].as_flattened().as_chunks().0.as_chunks().0
+}
+
+/// The pair of one orientation, side by side for all shifts.
+#[inline(always)]
+fn splat_without_bias<W: Wide>(wide: W, pair: [u8; 2]) -> W::Words {
+    let without = |part: u8| part.wrapping_sub(BIAS).cast_signed();
+    wide.splat_pair([without(pair[0]), without(pair[1])])
+}
+
+/// A pixel of the reference, side by side for all shifts.
+struct Left<W: Wide> {
+    /// What the products with the bias take away from the largest disagreement.
+    base: W::Words,
+    pairs: [W::Words; COST_ORIENTATIONS],
+}
+
+impl<W: Wide> Left<W> {
+    /// How little the phases agree at half a block of shifts, from 0 to 2 in 16 bits without sign.
+    // No closure may stand here: it would be compiled without the vector unit's features.
+    #[inline(always)]
+    fn disagreement(&self, wide: W, runs: [&[u8; LANES]; COST_ORIENTATIONS]) -> W::Words {
+        let a = wide.dot_pairs(wide.load(runs[0]), self.pairs[0]);
+        let b = wide.dot_pairs(wide.load(runs[1]), self.pairs[1]);
+        let c = wide.dot_pairs(wide.load(runs[2]), self.pairs[2]);
+        let d = wide.dot_pairs(wide.load(runs[3]), self.pairs[3]);
+        let sum = wide.add_words(wide.add_words(a, b), wide.add_words(c, d));
+        wide.sub_words(self.base, sum)
+    }
+}
+
+/// One row of responses of four orientations.
+struct NormalisedRow<'a> {
+    /// Even and odd parts of each pixel.
+    samples: &'a [[f32; 2 * COST_ORIENTATIONS]],
+    silent_energy: f32,
+    /// The modulus of a full response.
+    full: f32,
+    rows: [&'a mut [[u8; 2]]; COST_ORIENTATIONS],
+}
+
+impl NullaryFnOnce for NormalisedRow<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let [a, b, c, d] = self.rows;
+        let rows = a.iter_mut().zip(b).zip(c.iter_mut().zip(d));
+        for (sample, ((a, b), (c, d))) in self.samples.iter().zip(rows) {
+            let energy: [f32; COST_ORIENTATIONS] = std::array::from_fn(|q| {
+                let (even, odd) = (sample[q], sample[COST_ORIENTATIONS + q]);
+                even * even + odd * odd
+            });
+            // Silence over silence is silence.
+            let gain = energy.map(|energy| {
+                self.full / (energy + self.silent_energy).max(f32::MIN_POSITIVE).sqrt()
+            });
+            let code = |part: usize| byte(sample[part] * gain[part % COST_ORIENTATIONS]);
+            let codes: [u8; 2 * COST_ORIENTATIONS] = std::array::from_fn(code);
+            *a = [codes[0], codes[4]];
+            *b = [codes[1], codes[5]];
+            *c = [codes[2], codes[6]];
+            *d = [codes[3], codes[7]];
+        }
+    }
+}
+
+/// The nearest integer to a small number, and [`BIAS`] more, without a call: adding 1.5 * 2^23
+/// leaves it in the lower bits.
+#[inline(always)]
+fn byte(value: f32) -> u8 {
+    (value + (12_582_912.0 + BIAS as f32)).to_bits() as u8
 }
 
 impl NormalisedResponses {
-    fn of(responses: &Responses, silent_energy: f32, padding: Padding) -> Self {
+    fn of(responses: &Responses, silent_energy: f32, full: f32, padding: Padding) -> Self {
         let size = responses.size();
         let stride = padding.stride(size.width);
-        let mut parts = vec![0; size.height * PARTS * stride];
+        let mut parts = vec![[BIAS; 2]; size.height * COST_ORIENTATIONS * stride];
+        let samples = responses.samples().as_chunks().0;
         parts
-            .par_chunks_mut(PARTS * stride)
-            .enumerate()
-            .for_each(|(y, rows)| {
-                for x in 0..size.width {
-                    let pixel = responses.pixel(x, y);
-                    for q in 0..COST_ORIENTATIONS {
-                        let (even, odd) = (pixel.even[q], pixel.odd[q]);
-                        let energy = even * even + odd * odd;
-                        // Silence over silence is silence.
-                        let gain = FULL / (energy + silent_energy).max(f32::MIN_POSITIVE).sqrt();
-                        let place = padding.place(x);
-                        rows[q * stride + place] = nearest(even * gain);
-                        rows[(COST_ORIENTATIONS + q) * stride + place] = nearest(odd * gain);
-                    }
-                }
-                for row in rows.chunks_mut(stride) {
-                    padding.replicate(row);
-                }
+            .par_chunks_mut(COST_ORIENTATIONS * stride)
+            .zip(samples.par_chunks(size.width))
+            .for_each(|(rows, samples)| {
+                let own = padding.place(0)..padding.place(size.width);
+                let mut each = rows.chunks_exact_mut(stride);
+                let rows: [&mut [[u8; 2]]; COST_ORIENTATIONS] = std::array::from_fn(|_| {
+                    let row: &mut [[u8; 2]] = each.next().unwrap_or_default();
+                    row.get_mut(own.clone()).unwrap_or_default()
+                });
+                Arch::new().dispatch(NormalisedRow {
+                    samples,
+                    silent_energy,
+                    full,
+                    rows,
+                });
             });
+        for row in parts.chunks_exact_mut(stride) {
+            padding.replicate(row);
+        }
         Self { stride, parts }
     }
 
+    /// One row of one orientation, padded.
     #[inline(always)]
-    fn row(&self, y: usize, part: usize) -> &[i16] {
-        let start = (y * PARTS + part) * self.stride;
+    fn row(&self, y: usize, orientation: usize) -> &[[u8; 2]] {
+        let start = (y * COST_ORIENTATIONS + orientation) * self.stride;
         &self.parts[start..start + self.stride]
     }
 

@@ -20,6 +20,8 @@ const HALF: u8 = 0b0101_0101;
 pub(crate) struct PhaseQuadrants {
     eyes: Binocular<QuadrantCodes>,
     padding: Padding,
+    /// What a unit of cost is: four bits that differ.
+    unit: u8,
 }
 
 /// Codes `[[y, padded x]]`: two bits an orientation, the signs of its even and its odd part, and
@@ -32,12 +34,14 @@ struct QuadrantCodes {
 }
 
 impl PhaseQuadrants {
-    /// Takes the finest responses of both eyes, of [`COST_ORIENTATIONS`] orientations each.
-    pub(crate) fn new(eyes: Binocular<&Responses>, search: SearchRange) -> Self {
+    /// Takes the finest responses of both eyes, of [`COST_ORIENTATIONS`] orientations each. `unit`
+    /// is what a unit of cost is.
+    pub(crate) fn new(eyes: Binocular<&Responses>, search: SearchRange, unit: u8) -> Self {
         let padding = Padding::of(search);
         Self {
             eyes: eyes.map(|eye| QuadrantCodes::of(eye, padding)),
             padding,
+            unit,
         }
     }
 }
@@ -48,13 +52,14 @@ impl PixelCost for PhaseQuadrants {
         let (left, right) = (&self.eyes.left, &self.eyes.right);
         let place = y * left.stride + self.padding.place(x);
         let (quadrants, heard) = (left.quadrants[place], left.heard[place]);
+        let unit = u16::from(self.unit);
         let first = y * right.stride + self.padding.first(x);
         let run = first..first + costs.len();
         let others = right.quadrants[run.clone()].iter().zip(&right.heard[run]);
         for (cost, (&other, &other_heard)) in costs.iter_mut().zip(others) {
             let both = heard & other_heard;
             let differing = ((quadrants ^ other) & both) | (!both & HALF);
-            *cost = (differing.count_ones() as u8) << 4;
+            *cost = ((differing.count_ones() as u16 * unit) >> 2) as u8;
         }
     }
 
@@ -64,7 +69,7 @@ impl PixelCost for PhaseQuadrants {
                 left: self.eyes.right.mirrored(self.padding),
                 right: self.eyes.left.mirrored(self.padding),
             },
-            padding: self.padding,
+            ..*self
         }
     }
 }

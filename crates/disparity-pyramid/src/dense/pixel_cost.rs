@@ -1,10 +1,7 @@
 use crate::dense::wide::Wide;
 
-/// What one unit of cost (see [`DenseParams`](crate::DenseParams)) is in the integers of a cost.
-pub(crate) const COST_UNIT: f32 = 62.0;
-
 /// Shifts that are compared side by side; a run of costs is a whole number of these.
-pub(crate) const LANES: usize = 16;
+pub(crate) const LANES: usize = 32;
 
 /// How badly a pixel of the reference fits each pixel of the other eye that the search allows.
 ///
@@ -12,7 +9,8 @@ pub(crate) const LANES: usize = 16;
 /// that a shift out of view costs what the last one in view does.
 pub(crate) trait PixelCost: Sync {
     /// The costs of pixel `(x, y)` at the least shift and those after it, one for each place of
-    /// `costs`; the length is a multiple of [`LANES`].
+    /// `costs`; the length is a multiple of [`LANES`]. No cost is above
+    /// [`StepPenalty::MOST_COST`](crate::dense::step_penalty::StepPenalty::MOST_COST) units.
     fn costs<W: Wide>(&self, wide: W, x: usize, y: usize, costs: &mut [u8]);
 
     /// The same cost seen from the other eye, in mirror images: what was searched to the left for

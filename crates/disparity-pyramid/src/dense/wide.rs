@@ -2,36 +2,50 @@ use pulp::{Arch, NullaryFnOnce};
 
 use crate::dense::pixel_cost::LANES;
 
-/// Sixteen 16-bit integers side by side: what the paths are made of, in the machine's own registers.
+/// Half as many words as there are bytes side by side.
+pub(crate) const WORDS: usize = LANES / 2;
+
+/// Thirty-two bytes side by side, or sixteen words: what costs and paths are made of, in the
+/// machine's own registers.
 ///
 /// The compiler finds vectors in plain loops over arrays too, but keeps what a loop carries along in
 /// memory; that is most of a path.
 pub(crate) trait Wide: Copy {
-    /// Sixteen integers.
-    type Run: Copy;
+    /// [`LANES`] bytes.
+    type Bytes: Copy;
+    /// [`WORDS`] integers of 16 bits.
+    type Words: Copy;
 
-    fn splat(self, value: i16) -> Self::Run;
-    fn load(self, run: &[i16; LANES]) -> Self::Run;
-    fn load_bytes(self, run: &[u8; LANES]) -> Self::Run;
-    fn store(self, values: Self::Run, run: &mut [i16; LANES]);
-    fn add(self, a: Self::Run, b: Self::Run) -> Self::Run;
-    fn sub(self, a: Self::Run, b: Self::Run) -> Self::Run;
-    fn mul(self, a: Self::Run, b: Self::Run) -> Self::Run;
-    fn min(self, a: Self::Run, b: Self::Run) -> Self::Run;
-    /// Stores the upper 7 bits of sixteen integers from 0 to 2^16 - 1.
-    fn store_upper_7(self, values: Self::Run, run: &mut [u8; LANES]);
+    fn splat(self, value: u8) -> Self::Bytes;
+    fn load(self, run: &[u8; LANES]) -> Self::Bytes;
+    fn store(self, values: Self::Bytes, run: &mut [u8; LANES]);
+    /// The sum, or 255 if that is more.
+    fn add(self, a: Self::Bytes, b: Self::Bytes) -> Self::Bytes;
+    /// The difference, or 0 if that is less.
+    fn sub(self, a: Self::Bytes, b: Self::Bytes) -> Self::Bytes;
+    fn min(self, a: Self::Bytes, b: Self::Bytes) -> Self::Bytes;
     /// `then` where `a < b`, `otherwise` elsewhere.
     fn if_less(
         self,
-        a: Self::Run,
-        b: Self::Run,
-        then: Self::Run,
-        otherwise: Self::Run,
-    ) -> Self::Run;
-    /// The least of sixteen integers that are not negative.
-    fn least(self, values: Self::Run) -> i16;
-    /// The first of sixteen places that holds a value.
-    fn first_equal(self, values: Self::Run, value: i16) -> Option<usize>;
+        a: Self::Bytes,
+        b: Self::Bytes,
+        then: Self::Bytes,
+        otherwise: Self::Bytes,
+    ) -> Self::Bytes;
+    /// The least of the bytes.
+    fn least(self, values: Self::Bytes) -> u8;
+    /// The first place that holds a value.
+    fn first_equal(self, values: Self::Bytes, value: u8) -> Option<usize>;
+
+    fn splat_word(self, value: i16) -> Self::Words;
+    fn add_words(self, a: Self::Words, b: Self::Words) -> Self::Words;
+    fn sub_words(self, a: Self::Words, b: Self::Words) -> Self::Words;
+    /// The same pair everywhere, for [`Self::dot_pairs`].
+    fn splat_pair(self, pair: [i8; 2]) -> Self::Words;
+    /// The products of pairs of bytes, `a[2i] b[0] + a[2i + 1] b[1]`; they must fit in 16 bits.
+    fn dot_pairs(self, pairs: Self::Bytes, with: Self::Words) -> Self::Words;
+    /// The upper 6 bits of words without sign: of `first`, then of `second`.
+    fn upper_6(self, first: Self::Words, second: Self::Words) -> Self::Bytes;
 }
 
 /// Any machine that the target is compiled for.
@@ -39,156 +53,198 @@ pub(crate) trait Wide: Copy {
 pub(crate) struct Plain;
 
 impl Wide for Plain {
-    type Run = [i16; LANES];
+    type Bytes = [u8; LANES];
+    type Words = [i16; WORDS];
 
     #[inline(always)]
-    fn splat(self, value: i16) -> Self::Run {
+    fn splat(self, value: u8) -> Self::Bytes {
         [value; LANES]
     }
 
     #[inline(always)]
-    fn load(self, run: &[i16; LANES]) -> Self::Run {
+    fn load(self, run: &[u8; LANES]) -> Self::Bytes {
         *run
     }
 
     #[inline(always)]
-    fn load_bytes(self, run: &[u8; LANES]) -> Self::Run {
-        run.map(i16::from)
-    }
-
-    #[inline(always)]
-    fn store(self, values: Self::Run, run: &mut [i16; LANES]) {
+    fn store(self, values: Self::Bytes, run: &mut [u8; LANES]) {
         *run = values;
     }
 
     #[inline(always)]
-    fn add(self, a: Self::Run, b: Self::Run) -> Self::Run {
-        std::array::from_fn(|i| a[i].wrapping_add(b[i]))
+    fn add(self, a: Self::Bytes, b: Self::Bytes) -> Self::Bytes {
+        std::array::from_fn(|i| a[i].saturating_add(b[i]))
     }
 
     #[inline(always)]
-    fn sub(self, a: Self::Run, b: Self::Run) -> Self::Run {
-        std::array::from_fn(|i| a[i].wrapping_sub(b[i]))
+    fn sub(self, a: Self::Bytes, b: Self::Bytes) -> Self::Bytes {
+        std::array::from_fn(|i| a[i].saturating_sub(b[i]))
     }
 
     #[inline(always)]
-    fn mul(self, a: Self::Run, b: Self::Run) -> Self::Run {
-        std::array::from_fn(|i| a[i].wrapping_mul(b[i]))
-    }
-
-    #[inline(always)]
-    fn store_upper_7(self, values: Self::Run, run: &mut [u8; LANES]) {
-        *run = values.map(|value| (value as u16 >> 9) as u8);
-    }
-
-    #[inline(always)]
-    fn min(self, a: Self::Run, b: Self::Run) -> Self::Run {
+    fn min(self, a: Self::Bytes, b: Self::Bytes) -> Self::Bytes {
         std::array::from_fn(|i| a[i].min(b[i]))
     }
 
     #[inline(always)]
     fn if_less(
         self,
-        a: Self::Run,
-        b: Self::Run,
-        then: Self::Run,
-        otherwise: Self::Run,
-    ) -> Self::Run {
+        a: Self::Bytes,
+        b: Self::Bytes,
+        then: Self::Bytes,
+        otherwise: Self::Bytes,
+    ) -> Self::Bytes {
         std::array::from_fn(|i| if a[i] < b[i] { then[i] } else { otherwise[i] })
     }
 
     #[inline(always)]
-    fn least(self, values: Self::Run) -> i16 {
-        values.into_iter().fold(i16::MAX, i16::min)
+    fn least(self, values: Self::Bytes) -> u8 {
+        values.into_iter().fold(u8::MAX, u8::min)
     }
 
     #[inline(always)]
-    fn first_equal(self, values: Self::Run, value: i16) -> Option<usize> {
+    fn first_equal(self, values: Self::Bytes, value: u8) -> Option<usize> {
         values.into_iter().position(|other| other == value)
+    }
+
+    #[inline(always)]
+    fn splat_word(self, value: i16) -> Self::Words {
+        [value; WORDS]
+    }
+
+    #[inline(always)]
+    fn add_words(self, a: Self::Words, b: Self::Words) -> Self::Words {
+        std::array::from_fn(|i| a[i].wrapping_add(b[i]))
+    }
+
+    #[inline(always)]
+    fn sub_words(self, a: Self::Words, b: Self::Words) -> Self::Words {
+        std::array::from_fn(|i| a[i].wrapping_sub(b[i]))
+    }
+
+    #[inline(always)]
+    fn splat_pair(self, pair: [i8; 2]) -> Self::Words {
+        [i16::from_le_bytes(pair.map(i8::cast_unsigned)); WORDS]
+    }
+
+    #[inline(always)]
+    fn dot_pairs(self, pairs: Self::Bytes, with: Self::Words) -> Self::Words {
+        let product = |byte: u8, with: u8| i16::from(byte) * i16::from(with.cast_signed());
+        std::array::from_fn(|i| {
+            let [first, second] = with[i].to_le_bytes();
+            product(pairs[2 * i], first) + product(pairs[2 * i + 1], second)
+        })
+    }
+
+    #[inline(always)]
+    fn upper_6(self, first: Self::Words, second: Self::Words) -> Self::Bytes {
+        let upper = |word: i16| (word.cast_unsigned() >> 10) as u8;
+        std::array::from_fn(|i| match i.checked_sub(WORDS) {
+            None => upper(first[i]),
+            Some(i) => upper(second[i]),
+        })
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 impl Wide for pulp::x86::V3 {
-    type Run = core::arch::x86_64::__m256i;
+    type Bytes = core::arch::x86_64::__m256i;
+    type Words = core::arch::x86_64::__m256i;
 
     #[inline(always)]
-    fn splat(self, value: i16) -> Self::Run {
-        self.avx._mm256_set1_epi16(value)
+    fn splat(self, value: u8) -> Self::Bytes {
+        self.avx._mm256_set1_epi8(value.cast_signed())
     }
 
     #[inline(always)]
-    fn load(self, run: &[i16; LANES]) -> Self::Run {
+    fn load(self, run: &[u8; LANES]) -> Self::Bytes {
         pulp::cast(*run)
     }
 
     #[inline(always)]
-    fn load_bytes(self, run: &[u8; LANES]) -> Self::Run {
-        self.avx2._mm256_cvtepu8_epi16(pulp::cast(*run))
-    }
-
-    #[inline(always)]
-    fn store(self, values: Self::Run, run: &mut [i16; LANES]) {
+    fn store(self, values: Self::Bytes, run: &mut [u8; LANES]) {
         *run = pulp::cast(values);
     }
 
     #[inline(always)]
-    fn add(self, a: Self::Run, b: Self::Run) -> Self::Run {
-        self.avx2._mm256_add_epi16(a, b)
+    fn add(self, a: Self::Bytes, b: Self::Bytes) -> Self::Bytes {
+        self.avx2._mm256_adds_epu8(a, b)
     }
 
     #[inline(always)]
-    fn sub(self, a: Self::Run, b: Self::Run) -> Self::Run {
-        self.avx2._mm256_sub_epi16(a, b)
+    fn sub(self, a: Self::Bytes, b: Self::Bytes) -> Self::Bytes {
+        self.avx2._mm256_subs_epu8(a, b)
     }
 
     #[inline(always)]
-    fn mul(self, a: Self::Run, b: Self::Run) -> Self::Run {
-        self.avx2._mm256_mullo_epi16(a, b)
-    }
-
-    #[inline(always)]
-    fn store_upper_7(self, values: Self::Run, run: &mut [u8; LANES]) {
-        let upper = self.avx2._mm256_srli_epi16::<9>(values);
-        let packed = self.avx2._mm256_packus_epi16(upper, upper);
-        // Each half has packed its own eight.
-        let joined = self.avx2._mm256_permute4x64_epi64::<0b10_00>(packed);
-        *run = pulp::cast(self.avx._mm256_castsi256_si128(joined));
-    }
-
-    #[inline(always)]
-    fn min(self, a: Self::Run, b: Self::Run) -> Self::Run {
-        self.avx2._mm256_min_epi16(a, b)
+    fn min(self, a: Self::Bytes, b: Self::Bytes) -> Self::Bytes {
+        self.avx2._mm256_min_epu8(a, b)
     }
 
     #[inline(always)]
     fn if_less(
         self,
-        a: Self::Run,
-        b: Self::Run,
-        then: Self::Run,
-        otherwise: Self::Run,
-    ) -> Self::Run {
-        let less = self.avx2._mm256_cmpgt_epi16(b, a);
-        self.avx2._mm256_blendv_epi8(otherwise, then, less)
+        a: Self::Bytes,
+        b: Self::Bytes,
+        then: Self::Bytes,
+        otherwise: Self::Bytes,
+    ) -> Self::Bytes {
+        // The machine compares bytes with a sign only.
+        let not_less = self.avx2._mm256_cmpeq_epi8(self.min(a, b), b);
+        self.avx2._mm256_blendv_epi8(then, otherwise, not_less)
     }
 
     #[inline(always)]
-    fn least(self, values: Self::Run) -> i16 {
+    fn least(self, values: Self::Bytes) -> u8 {
         let low = self.avx._mm256_castsi256_si128(values);
         let high = self.avx2._mm256_extracti128_si256::<1>(values);
-        let halves = self.sse2._mm_min_epi16(low, high);
-        // Not negative, so the order without signs is the same.
-        let least = self.sse4_1._mm_minpos_epu16(halves);
-        self.sse2._mm_cvtsi128_si32(least) as i16
+        let halves = self.sse2._mm_min_epu8(low, high);
+        // The lesser of each two bytes, as a word.
+        let odd = self.sse2._mm_srli_epi16::<8>(halves);
+        let words = self.sse2._mm_min_epu8(halves, odd);
+        let least = self.sse4_1._mm_minpos_epu16(words);
+        self.sse2._mm_cvtsi128_si32(least) as u8
     }
 
     #[inline(always)]
-    fn first_equal(self, values: Self::Run, value: i16) -> Option<usize> {
-        let same = self.avx2._mm256_cmpeq_epi16(values, self.splat(value));
-        // Two equal bits a lane.
+    fn first_equal(self, values: Self::Bytes, value: u8) -> Option<usize> {
+        let same = self.avx2._mm256_cmpeq_epi8(values, self.splat(value));
         let bits = self.avx2._mm256_movemask_epi8(same);
-        (bits != 0).then(|| bits.trailing_zeros() as usize / 2)
+        (bits != 0).then(|| bits.trailing_zeros() as usize)
+    }
+
+    #[inline(always)]
+    fn splat_word(self, value: i16) -> Self::Words {
+        self.avx._mm256_set1_epi16(value)
+    }
+
+    #[inline(always)]
+    fn add_words(self, a: Self::Words, b: Self::Words) -> Self::Words {
+        self.avx2._mm256_add_epi16(a, b)
+    }
+
+    #[inline(always)]
+    fn sub_words(self, a: Self::Words, b: Self::Words) -> Self::Words {
+        self.avx2._mm256_sub_epi16(a, b)
+    }
+
+    #[inline(always)]
+    fn splat_pair(self, pair: [i8; 2]) -> Self::Words {
+        self.splat_word(i16::from_le_bytes(pair.map(i8::cast_unsigned)))
+    }
+
+    #[inline(always)]
+    fn dot_pairs(self, pairs: Self::Bytes, with: Self::Words) -> Self::Words {
+        self.avx2._mm256_maddubs_epi16(pairs, with)
+    }
+
+    #[inline(always)]
+    fn upper_6(self, first: Self::Words, second: Self::Words) -> Self::Bytes {
+        let first = self.avx2._mm256_srli_epi16::<10>(first);
+        let second = self.avx2._mm256_srli_epi16::<10>(second);
+        let packed = self.avx2._mm256_packus_epi16(first, second);
+        // Each half has packed its own eight of both.
+        self.avx2._mm256_permute4x64_epi64::<0b11_01_10_00>(packed)
     }
 }
 
@@ -202,6 +258,8 @@ pub(crate) fn widest(work: impl WideWork) {
     match Arch::new() {
         #[cfg(target_arch = "x86_64")]
         Arch::V3(v3) => v3.vectorize(Compiled(work, v3)),
+        #[cfg(target_arch = "x86_64")]
+        Arch::V4(v4) => (*v4).vectorize(Compiled(work, *v4)),
         _ => Compiled(work, Plain).call(),
     }
 }
@@ -225,22 +283,20 @@ mod tests {
     use super::*;
 
     /// Everything that a width can do, as plain arrays.
-    fn all<W: Wide>(wide: W, a: [i16; LANES], b: [i16; LANES], bytes: [u8; LANES]) -> Vec<i16> {
+    fn all<W: Wide>(wide: W, a: [u8; LANES], b: [u8; LANES], pair: [i8; 2]) -> Vec<u8> {
         let (va, vb) = (wide.load(&a), wide.load(&b));
+        let place = |value| wide.first_equal(va, value).map_or(99, |place| place as u8);
+        let mut said = vec![wide.least(va), place(a[5]), place(100)];
+        let product = wide.dot_pairs(va, wide.splat_pair(pair));
+        let words = wide.sub_words(wide.splat_word(999), wide.add_words(product, product));
         let runs = [
             wide.splat(a[3]),
-            wide.load_bytes(&bytes),
             wide.add(va, vb),
             wide.sub(va, vb),
             wide.min(va, vb),
-            wide.mul(va, vb),
             wide.if_less(va, vb, wide.splat(1), wide.splat(2)),
+            wide.upper_6(words, product),
         ];
-        let place = |value| wide.first_equal(va, value).map_or(-1, |place| place as i16);
-        let mut said = vec![wide.least(va), place(a[5]), place(100)];
-        let mut upper = [0; LANES];
-        wide.store_upper_7(wide.mul(va, wide.splat(-4099)), &mut upper);
-        said.extend(upper.map(i16::from));
         for run in runs {
             let mut out = [0; LANES];
             wide.store(run, &mut out);
@@ -252,17 +308,17 @@ mod tests {
     proptest! {
         #[test]
         fn every_width_says_the_same(
-            a in prop::array::uniform16(0i16..9), b in prop::array::uniform16(0i16..9),
-            bytes in prop::array::uniform16(0u8..),
+            a in prop::array::uniform32(0u8..180), b in prop::array::uniform32(0u8..),
+            pair in prop::array::uniform2(-90i8..90),
         ) {
-            struct Check([i16; LANES], [i16; LANES], [u8; LANES]);
+            struct Check([u8; LANES], [u8; LANES], [i8; 2]);
             impl WideWork for Check {
                 fn work<W: Wide>(self, wide: W) {
-                    let Self(a, b, bytes) = self;
-                    assert_eq!(all(wide, a, b, bytes), all(Plain, a, b, bytes));
+                    let Self(a, b, pair) = self;
+                    assert_eq!(all(wide, a, b, pair), all(Plain, a, b, pair));
                 }
             }
-            widest(Check(a, b, bytes));
+            widest(Check(a, b, pair));
         }
     }
 }
