@@ -1,11 +1,12 @@
 use v1_gabor::Binocular;
 
-use crate::CameraIntrinsics;
+use crate::{CameraIntrinsics, Lens};
 use crate::rotation::{Rotation, cross, dot};
 
 /// Two eyes as the epipolar constraint knows them: turns and a direction, no length.
 pub(crate) struct EpipolarGeometry {
     pub(crate) intrinsics: Binocular<CameraIntrinsics>,
+    pub(crate) lenses: Binocular<Lens>,
     pub(crate) rotation: Binocular<Rotation>,
     /// From the left to the right centre in the head frame, in baselines.
     pub(crate) baseline: [f64; 3],
@@ -32,8 +33,11 @@ impl EpipolarGeometry {
     /// neglected term is the residual times a small change, and vanishes with the residual.
     pub(crate) fn residual(&self, pixels: Binocular<(f64, f64)>) -> Option<EpipolarResidual> {
         let eye = self.intrinsics;
-        let (xl, yl) = eye.left.normalised(pixels.left);
-        let (xr, yr) = eye.right.normalised(pixels.right);
+        let (xl, yl) = self.lenses.left.undistort(eye.left.normalised(pixels.left))?;
+        let (xr, yr) = self
+            .lenses
+            .right
+            .undistort(eye.right.normalised(pixels.right))?;
         let sight = Binocular {
             left: self.rotation.left.apply([xl, yl, 1.0]),
             right: self.rotation.right.apply([xr, yr, 1.0]),

@@ -346,13 +346,15 @@ fn cauchy_weight(deviations: f64) -> f64 {
 }
 
 fn geometry(drift: &RigDrift, rig: &StereoRig) -> EpipolarGeometry {
+    let (down, forward) = rig.slip();
     EpipolarGeometry {
         intrinsics: rig.intrinsics(),
+        lenses: rig.lenses(),
         rotation: Binocular {
             left: rig.eyes().left.rotation,
             right: drift.right_rotation(rig),
         },
-        baseline: [1.0, drift.down, drift.forward],
+        baseline: [1.0, down + drift.down, forward + drift.forward],
     }
 }
 
