@@ -15,6 +15,7 @@ mod bench_page;
 mod bounds;
 mod calculus_pictures;
 mod calculus_results;
+mod calibration_run;
 mod check_soundness;
 mod clocked;
 mod compare_opencv;
@@ -28,6 +29,7 @@ mod docs_folder;
 mod download;
 mod error_picture;
 mod estimator;
+mod eval_calibration;
 mod eval_flow;
 mod eval_middlebury;
 mod eval_robustness;
@@ -92,6 +94,7 @@ struct Tasks {
 enum Task {
     BankPictures(bank_pictures::Options),
     Bench(bench::Options),
+    EvalCalibration(eval_calibration::Options),
     EvalFlow(eval_flow::Options),
     EvalMiddlebury(eval_middlebury::Options),
     CheckSoundness(check_soundness::Options),
@@ -111,6 +114,7 @@ fn main() -> ExitCode {
     let done = match task {
         Task::Bench(options) => bench::run(&options),
         Task::BankPictures(options) => bank_pictures::run(&options),
+        Task::EvalCalibration(options) => eval_calibration::run(&options),
         Task::EvalFlow(options) => eval_flow::run(&options),
         Task::EvalMiddlebury(options) => eval_middlebury::run(&options),
         Task::CheckSoundness(options) => check_soundness::run(&options),

@@ -81,9 +81,15 @@ mod tests {
     /// The signs that the documentation promises.
     #[test]
     fn tilt_looks_up_and_torsion_leans_clockwise() {
-        let up = Attitude { tilt_rad: 0.1, ..Attitude::default() };
+        let up = Attitude {
+            tilt_rad: 0.1,
+            ..Attitude::default()
+        };
         assert!(up.rotation().apply([0.0, 0.0, 1.0])[1] < 0.0);
-        let twisted = Attitude { torsion_rad: 0.1, ..Attitude::default() };
+        let twisted = Attitude {
+            torsion_rad: 0.1,
+            ..Attitude::default()
+        };
         assert!(twisted.rotation().apply([1.0, 0.0, 0.0])[1] > 0.0);
     }
 }

@@ -1,7 +1,7 @@
 use v1_gabor::Binocular;
 
-use crate::{CameraIntrinsics, Lens};
 use crate::rotation::{Rotation, cross, dot};
+use crate::{CameraIntrinsics, Lens, RigDrift, StereoRig};
 
 /// Two eyes as the epipolar constraint knows them: turns and a direction, no length.
 pub(crate) struct EpipolarGeometry {
@@ -22,7 +22,32 @@ pub(crate) struct EpipolarResidual {
     pub(crate) vertical_px: f64,
 }
 
+impl StereoRig {
+    /// How far below the epipolar line the right pixel of a match lies, in pixels: 0 if this rig can
+    /// see one point at both. `None` where the constraint says nothing.
+    #[must_use]
+    pub fn misalignment_px(&self, pixels: Binocular<(f64, f64)>) -> Option<f64> {
+        EpipolarGeometry::of(self, &RigDrift::default())
+            .residual(pixels)
+            .map(|residual| residual.vertical_px)
+    }
+}
+
 impl EpipolarGeometry {
+    /// The eyes of a rig whose right one has drifted.
+    pub(crate) fn of(rig: &StereoRig, drift: &RigDrift) -> Self {
+        let (down, forward) = rig.slip();
+        Self {
+            intrinsics: rig.intrinsics(),
+            lenses: rig.lenses(),
+            rotation: Binocular {
+                left: rig.attitude().left.rotation(),
+                right: drift.right_rotation(rig),
+            },
+            baseline: [1.0, down + drift.down, forward + drift.forward],
+        }
+    }
+
     /// The residual of the match of two pixels; `None` where the constraint says nothing, as it
     /// does for a pixel that shows the other eye.
     ///
@@ -33,7 +58,10 @@ impl EpipolarGeometry {
     /// neglected term is the residual times a small change, and vanishes with the residual.
     pub(crate) fn residual(&self, pixels: Binocular<(f64, f64)>) -> Option<EpipolarResidual> {
         let eye = self.intrinsics;
-        let (xl, yl) = self.lenses.left.undistort(eye.left.normalised(pixels.left))?;
+        let (xl, yl) = self
+            .lenses
+            .left
+            .undistort(eye.left.normalised(pixels.left))?;
         let (xr, yr) = self
             .lenses
             .right

@@ -132,8 +132,8 @@ fn undo_brown_conrady(terms: &[f64; 8], x: f64, y: f64) -> Option<(f64, f64)> {
 fn fisheye_radius([k1, k2, k3, k4]: &[f64; 4], angle: f64) -> (f64, f64) {
     let square = angle * angle;
     let stretch = 1.0 + square * (k1 + square * (k2 + square * (k3 + square * k4)));
-    let slope = 1.0
-        + square * (3.0 * k1 + square * (5.0 * k2 + square * (7.0 * k3 + square * 9.0 * k4)));
+    let slope =
+        1.0 + square * (3.0 * k1 + square * (5.0 * k2 + square * (7.0 * k3 + square * 9.0 * k4)));
     (angle * stretch, slope)
 }
 
@@ -216,13 +216,16 @@ mod tests {
     /// Against values worked out by hand from OpenCV's printed formulas.
     #[test]
     fn the_terms_have_their_places() {
-        let (x, y) = Lens::BrownConrady([0.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]).distort((0.5, 0.0));
+        let (x, y) =
+            Lens::BrownConrady([0.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]).distort((0.5, 0.0));
         assert!((x - 0.5 * (1.0 + 0.1 * 0.25)).abs() < 1e-15 && y == 0.0);
-        let (x, y) = Lens::BrownConrady([0.0, 0.0, 0.01, 0.02, 0.0, 0.0, 0.0, 0.0]).distort((0.5, 0.2));
+        let (x, y) =
+            Lens::BrownConrady([0.0, 0.0, 0.01, 0.02, 0.0, 0.0, 0.0, 0.0]).distort((0.5, 0.2));
         let square = 0.29;
         assert!((x - (0.5 + 2.0 * 0.01 * 0.1 + 0.02 * (square + 0.5))).abs() < 1e-15);
         assert!((y - (0.2 + 0.01 * (square + 2.0 * 0.04) + 2.0 * 0.02 * 0.1)).abs() < 1e-15);
-        let (x, _) = Lens::BrownConrady([0.0, 0.0, 0.0, 0.0, 0.0, 0.1, 0.0, 0.0]).distort((0.5, 0.0));
+        let (x, _) =
+            Lens::BrownConrady([0.0, 0.0, 0.0, 0.0, 0.0, 0.1, 0.0, 0.0]).distort((0.5, 0.0));
         assert!((x - 0.5 / 1.025).abs() < 1e-15);
         let (x, _) = Lens::Fisheye([0.0; 4]).distort((1.0, 0.0));
         assert!((x - std::f64::consts::FRAC_PI_4).abs() < 1e-15);

@@ -252,7 +252,9 @@ mod tests {
     #[test]
     fn only_turns_are_taken() {
         let turn = Rotation::from_vector([0.2, -0.3, 0.1]);
-        let rounded = turn.matrix().map(|row| row.map(|entry| (entry * 1e4).round() / 1e4));
+        let rounded = turn
+            .matrix()
+            .map(|row| row.map(|entry| (entry * 1e4).round() / 1e4));
         let taken = Rotation::from_matrix(rounded).unwrap();
         assert!(defect(&taken.matrix()) < 1e-15);
         let apart = taken.after(&turn.inverse()).to_vector();

@@ -2,9 +2,7 @@ use v1_gabor::Binocular;
 
 use crate::eye::Eye;
 use crate::rotation::{Rotation, cross, dot};
-use crate::{
-    Attitude, CameraIntrinsics, Head, Lens, Observer, Position, RelativePose, RigDrift,
-};
+use crate::{Attitude, CameraIntrinsics, Head, Lens, Observer, Position, RelativePose, RigDrift};
 
 /// Two eyes on one baseline.
 ///
@@ -369,11 +367,7 @@ impl StereoRig {
                 intrinsics: self.intrinsics.right,
                 lens: self.lenses.right,
                 rotation: self.attitude.right.rotation(),
-                centre: Position::new(
-                    half_m,
-                    self.baseline_m * down,
-                    self.baseline_m * forward,
-                ),
+                centre: Position::new(half_m, self.baseline_m * down, self.baseline_m * forward),
             },
         }
     }
