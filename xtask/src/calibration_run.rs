@@ -96,6 +96,8 @@ pub(crate) struct PointRig {
     pub(crate) published: Option<Depths>,
     pub(crate) before: Option<Depths>,
     pub(crate) after: Option<Depths>,
+    /// The same if the right centre is not held, and yaw expected as usual.
+    pub(crate) after_unheld: Option<Depths>,
     pub(crate) found: Found,
 }
 
@@ -217,8 +219,14 @@ impl CalibrationRun {
     }
 
     fn depth_table(&self) -> MarkdownTable {
-        let mut table =
-            MarkdownTable::new(["pair", "points", "published", "put out", "recalibrated"]);
+        let mut table = MarkdownTable::new([
+            "pair",
+            "points",
+            "published",
+            "put out",
+            "recalibrated, centre known",
+            "recalibrated, nothing known",
+        ]);
         for row in self.points.iter().filter(|row| row.published.is_some()) {
             let points = row.published.map_or(0, |depths| depths.points);
             table.push([
@@ -227,6 +235,7 @@ impl CalibrationRun {
                 Depths::words(row.published),
                 Depths::words(row.before),
                 Depths::words(row.after),
+                Depths::words(row.after_unheld),
             ]);
         }
         table
@@ -359,7 +368,10 @@ impl fmt::Display for CalibrationRun {
              error, and the median distance of the reference points from their epipolar lines.\n\n{}\n\
              ## Depth at the reference points\n\n\
              Median and 90th percentile of the absolute error along the left optical axis, mm, from the \
-             vector disparity at the pixel nearest to each point, where it is valid.\n\n{}\n\
+             vector disparity at the pixel nearest to each point, where it is valid. With the **centre known** the \
+             eye was turned where it sits, which is what was done to it; with **nothing known** it may also \
+             have moved by a hundredth of the baseline, and its yaw is expected to be right to half a degree, \
+             which here it is not.\n\n{}\n\
              ## Marks\n\n{}",
             self.injected_table(),
             self.turn_table(),

@@ -4,8 +4,8 @@ use anyhow::{Context, bail};
 use clap::Args;
 use disparity_pyramid::{DisparityField, MatchParams, estimate_from_votes};
 use egocentric_depth::{
-    Attitude, CameraIntrinsics, Lens, OrientationParams, RelativeOrientation, RelativePose,
-    RigDrift, Rotation, StereoRig, midpoint, relative_orientation,
+    Attitude, CameraIntrinsics, DriftBelief, Lens, OrientationParams, RelativeOrientation,
+    RelativePose, RigDrift, Rotation, StereoRig, midpoint, relative_orientation,
 };
 use ndarray::Array2;
 use stereo_formats::points::PointPair;
@@ -165,8 +165,14 @@ fn at_points(scene: &StereoScene, points: &[PointPair], pose: &Pose) -> anyhow::
     } else {
         as_mounted(&published)?
     };
-    let expected = OrientationParams::of(&start);
-    let found: RelativeOrientation = relative_orientation(&field, &start, &expected)?;
+    let orient = |params: &OrientationParams| relative_orientation(&field, &start, params);
+    let unheld = orient(&OrientationParams::of(&start))?;
+    // Eyes that were turned where they sit: nothing is known of the turn, all of the centres.
+    let found: RelativeOrientation = if pose.metric {
+        orient(&OrientationParams::expecting(turned_in_place()?))?
+    } else {
+        unheld
+    };
     let fixed = start.drifted(&found.drift)?;
     let depths = |rig: &StereoRig| {
         pose.metric
@@ -176,7 +182,7 @@ fn at_points(scene: &StereoScene, points: &[PointPair], pose: &Pose) -> anyhow::
     Ok(PointRig {
         scene: scene.description.name.clone(),
         start: if pose.metric {
-            format!("pitch, yaw and roll out by {PUT_OUT_DEG} deg")
+            format!("turned by {PUT_OUT_DEG} deg about each axis, in its place")
         } else {
             "parallel, nothing known but the cameras".to_owned()
         },
@@ -187,8 +193,23 @@ fn at_points(scene: &StereoScene, points: &[PointPair], pose: &Pose) -> anyhow::
         published: depths(&published),
         before: depths(&start),
         after: depths(&fixed),
+        after_unheld: depths(&start.drifted(&unheld.drift)?),
         found: found.into(),
     })
+}
+
+/// Nothing is expected of the turn, and of the centres that they are where they should be, to a ten
+/// thousandth of the baseline.
+fn turned_in_place() -> anyhow::Result<DriftBelief> {
+    const PLACED: f64 = 1e-4;
+    let sigma = RigDrift {
+        pitch_rad: f64::INFINITY,
+        yaw_rad: f64::INFINITY,
+        roll_rad: f64::INFINITY,
+        down: PLACED,
+        forward: PLACED,
+    };
+    Ok(DriftBelief::new(RigDrift::default(), &sigma)?)
 }
 
 fn published(pose: &Pose) -> anyhow::Result<StereoRig> {

@@ -78,6 +78,7 @@ mod midpoint;
 mod point_cloud;
 mod position;
 mod reach;
+mod rectification;
 mod rectified_form;
 mod relative_orientation;
 mod relative_pose;
@@ -104,6 +105,7 @@ pub use midpoint::{Midpoint, midpoint};
 pub use point_cloud::{CloudPoint, point_cloud};
 pub use position::{Head, Observer, Position};
 pub use reach::{Reach, Search, reach_px};
+pub use rectification::{Rectification, resampled};
 pub use relative_orientation::{
     NoOrientation, OrientationParams, RelativeOrientation, relative_orientation,
 };

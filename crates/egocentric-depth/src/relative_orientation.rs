@@ -99,9 +99,11 @@ pub struct RelativeOrientation {
 }
 
 impl RelativeOrientation {
-    /// Matches at least so far apart err independently, in pixels: beyond it the windows of the
-    /// finest filters do not overlap.
-    pub const INDEPENDENT_PX: f64 = 11.0;
+    /// Matches at least so far apart err independently, in pixels: three windows of the finest
+    /// filters, since neighbours share their texture and what coarser scales made of it. On five
+    /// pairs of published pose the errors then are of the size of the standard errors; one window
+    /// makes these three times too small.
+    pub const INDEPENDENT_PX: f64 = 33.0;
 
     /// A match this far off a plane, by parallax in pixels, does not lie on it.
     pub const OFF_PLANE_PX: f64 = 1.0;
