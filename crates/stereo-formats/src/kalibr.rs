@@ -2,9 +2,7 @@
 
 use std::path::Path;
 
-use egocentric_depth::{
-    BadRig, CameraIntrinsics, Lens, RelativePose, Rotation, StereoRig,
-};
+use egocentric_depth::{BadRig, CameraIntrinsics, Lens, RelativePose, Rotation, StereoRig};
 use serde::Deserialize;
 use v1_gabor::{Binocular, Size};
 
@@ -78,7 +76,10 @@ pub fn decode(bytes: &[u8]) -> Result<SizedRig, NotACamchain> {
             return Err(wrong(name, "camera_model", what));
         }
         let &[fx, fy, cx, cy] = &plain(&camera.intrinsics)[..] else {
-            let what = format!("has {} intrinsics, not fu fv pu pv", camera.intrinsics.len());
+            let what = format!(
+                "has {} intrinsics, not fu fv pu pv",
+                camera.intrinsics.len()
+            );
             return Err(wrong(name, "intrinsics", what));
         };
         let terms = plain(&camera.distortion_coeffs);
@@ -101,8 +102,7 @@ pub fn decode(bytes: &[u8]) -> Result<SizedRig, NotACamchain> {
     };
     let left = camera("cam0", &chain.cam0)?;
     let right = camera("cam1", &chain.cam1)?;
-    let pose = pose(chain.cam1.pose.as_deref())
-        .map_err(|what| wrong("cam1", "T_cn_cnm1", what))?;
+    let pose = pose(chain.cam1.pose.as_deref()).map_err(|what| wrong("cam1", "T_cn_cnm1", what))?;
     let intrinsics = Binocular {
         left: left.0,
         right: right.0,
@@ -128,7 +128,9 @@ fn pose(rows: Option<&[Vec<Number>]>) -> Result<RelativePose, String> {
     let (Some(numbers), true) = (numbers.get(..12), square) else {
         return Err("has a T_cn_cnm1 that is not 4 x 4".to_owned());
     };
-    let turn: Vec<f64> = (0..3).flat_map(|i| numbers[4 * i..4 * i + 3].to_vec()).collect();
+    let turn: Vec<f64> = (0..3)
+        .flat_map(|i| numbers[4 * i..4 * i + 3].to_vec())
+        .collect();
     let turn = camera_matrix::rows(&turn).ok_or("has no rotation")?;
     Ok(RelativePose {
         rotation: Rotation::from_matrix(turn)

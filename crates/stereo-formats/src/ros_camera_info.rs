@@ -95,7 +95,10 @@ pub fn decode(bytes: &[u8]) -> Result<CameraInfo, NotCameraInfo> {
         if rows.checked_mul(cols) == Some(found) {
             Ok(plain(&matrix.data))
         } else {
-            Err(wrong(key, format!("has {found} numbers for {rows} x {cols}")))
+            Err(wrong(
+                key,
+                format!("has {found} numbers for {rows} x {cols}"),
+            ))
         }
     };
     let k = numbers("camera_matrix", &text.camera_matrix)?;
@@ -105,9 +108,8 @@ pub fn decode(bytes: &[u8]) -> Result<CameraInfo, NotCameraInfo> {
     let turn = |key, numbers: &[f64]| {
         let rows = camera_matrix::rows(numbers)
             .ok_or_else(|| wrong(key, "has not nine numbers".to_owned()))?;
-        Rotation::from_matrix(rows).map_err(|refused: NoRotation| {
-            wrong(key, format!("is none: {refused}"))
-        })
+        Rotation::from_matrix(rows)
+            .map_err(|refused: NoRotation| wrong(key, format!("is none: {refused}")))
     };
     let model = text.distortion_model.as_str();
     Ok(CameraInfo {
@@ -121,7 +123,10 @@ pub fn decode(bytes: &[u8]) -> Result<CameraInfo, NotCameraInfo> {
             wrong("camera_matrix", what)
         })?,
         lens: lens(model, &d).ok_or_else(|| {
-            let what = format!("is '{model}' with {} coefficients, which is unknown", d.len());
+            let what = format!(
+                "is '{model}' with {} coefficients, which is unknown",
+                d.len()
+            );
             wrong("distortion_model", what)
         })?,
         rectification: turn("rectification_matrix", &r)?,
@@ -209,7 +214,14 @@ pub fn of_rig(sized: &SizedRig) -> Result<Binocular<CameraInfo>, NotCameraInfo> 
     let cameras = rectified.intrinsics();
     let baseline_m = rectified.baseline_m();
     Ok(Binocular {
-        left: info("left", eyes.left, lenses.left, turns.left, cameras.left, 0.0),
+        left: info(
+            "left",
+            eyes.left,
+            lenses.left,
+            turns.left,
+            cameras.left,
+            0.0,
+        ),
         right: info(
             "right",
             eyes.right,
@@ -245,7 +257,11 @@ pub fn encode(info: &CameraInfo) -> Vec<u8> {
         info.size.width,
         info.size.height,
         name(&info.name),
-        matrix("camera_matrix", 3, &camera_matrix::numbers(&info.intrinsics)),
+        matrix(
+            "camera_matrix",
+            3,
+            &camera_matrix::numbers(&info.intrinsics)
+        ),
         matrix("distortion_coefficients", 1, d),
         matrix("rectification_matrix", 3, r.as_flattened()),
         matrix("projection_matrix", 3, &info.projection),
