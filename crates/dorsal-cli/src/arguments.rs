@@ -7,6 +7,7 @@ use crate::flow_arguments::FlowArguments;
 use crate::look_arguments::LookArguments;
 use crate::memory_arguments::MemoryArguments;
 use crate::network_arguments::NetworkArguments;
+use crate::rig_arguments::RigArguments;
 use crate::tables_arguments::TablesArguments;
 use crate::v1_arguments::V1Arguments;
 
@@ -36,6 +37,8 @@ pub(crate) enum Command {
     Demo(DemoArguments),
     /// Corrects a rig by what its own eyes see, and says how well that is known
     Calibrate(CalibrateArguments),
+    /// Converts rigs between formats, says what they can see, rectifies pairs
+    Rig(RigArguments),
     /// Finds how every point moves between two frames of one eye, and writes it
     Flow(FlowArguments),
     /// Filters one picture as primary visual cortex does, and writes what it finds
@@ -98,6 +101,7 @@ impl Command {
             Self::V1(v1) => Some(("v1", v1.conflict()?)),
             Self::Demo(_)
             | Self::Calibrate(_)
+            | Self::Rig(_)
             | Self::Tables(_)
             | Self::Compose(_)
             | Self::Network(_)

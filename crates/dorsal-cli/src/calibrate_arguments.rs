@@ -15,7 +15,7 @@ pub(crate) struct CalibrateArguments {
     /// What the right eye sees, of the same size
     pub(crate) right: PathBuf,
 
-    /// The rig as it is thought to be: rig.toml, or Middlebury's calib.txt
+    /// The rig as it is thought to be: rig.toml, or any format of one file that dorsal rig reads
     #[arg(long, value_name = "RIG.toml")]
     pub(crate) rig: PathBuf,
 

@@ -47,7 +47,8 @@ pub(crate) struct LookArguments {
     #[arg(long)]
     pub(crate) dense: bool,
 
-    /// The two cameras: rig.toml, or Middlebury's calib.txt; gives depth in metres
+    /// The two cameras: rig.toml, Middlebury's calib.txt, Kalibr's camchain, OpenCV's YAML or XML; gives
+    /// depth in metres (see dorsal rig convert)
     #[arg(long, value_name = "RIG.toml")]
     pub(crate) rig: Option<PathBuf>,
 

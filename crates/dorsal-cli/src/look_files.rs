@@ -1,5 +1,5 @@
 use dorsal::disparity_pyramid::ShiftCovariance;
-use dorsal::egocentric_depth::point_cloud;
+use dorsal::egocentric_depth::{DisparitySigma, normals, point_cloud};
 use dorsal::v1_gabor::Binocular;
 use ndarray::ArrayView2;
 use stereo_formats::colour::{self, ColourRange};
@@ -58,9 +58,18 @@ pub(crate) fn look_files<'a>(
         }
         files.add("cloud.ply", || {
             let colours = eyes.left.rgb();
-            let points = point_cloud(depth, rig).map(|point| CloudPoint {
-                position_m: point.position.to_array().map(|metres| metres as f32),
-                rgb: colours[[point.pixel.1, point.pixel.0]],
+            let facing = normals(depth, rig);
+            let disparity_sigma = DisparitySigma::default();
+            let points = point_cloud(depth, rig).map(|point| {
+                let at = [point.pixel.1, point.pixel.0];
+                let normal = facing[at];
+                let sigma_px = disparity_sigma.px(field.confidence()[at]);
+                CloudPoint {
+                    position_m: point.position.to_array().map(|metres| metres as f32),
+                    normal: if normal[0].is_nan() { [0.0; 3] } else { normal },
+                    sigma_m: rig.depth_sigma_m(rig.to_head(point.position), sigma_px) as f32,
+                    rgb: colours[at],
+                }
             });
             let points: Vec<CloudPoint> = points.collect();
             anyhow::Ok(ply::encode(&points))

@@ -37,6 +37,8 @@ mod plan;
 mod pose_argument;
 mod reference_system;
 mod relation_table;
+mod rig;
+mod rig_arguments;
 mod rig_file;
 mod room;
 mod scene_file;
@@ -70,6 +72,7 @@ fn main() -> ExitCode {
         Command::Calibrate(arguments) => calibrate::calibrate(arguments, &mut out),
         Command::Demo(demo) => demo::demo(demo, &mut out),
         Command::Flow(arguments) => flow::flow(arguments, &mut out),
+        Command::Rig(arguments) => rig::rig(arguments, &mut out),
         Command::V1(arguments) => v1::v1(arguments, &mut out),
         Command::Tables(tables) => tables::tables(tables, &mut out),
         Command::Compose(compose) => compose::compose(compose, &mut out),

@@ -99,7 +99,12 @@ impl Plan {
     ) -> Option<Result<RelativeOrientation, NoOrientation>> {
         let told = matches!(self.estimator, Estimator::Vector(_)) && !self.matching.rows_only;
         let rig = self.rig.filter(|_| told)?;
-        let params = OrientationParams::of(&rig);
+        // A tenth of what a calibration takes: neighbours tell little that is new.
+        const MATCHES: usize = 2000;
+        let params = OrientationParams {
+            matches: MATCHES,
+            ..OrientationParams::of(&rig)
+        };
         Some(times.measure("drift", || relative_orientation(disparity, &rig, &params)))
     }
 

@@ -86,6 +86,7 @@ impl StereoRig {
             .filter(|(_, sigma)| *sigma > 0.0)
             .map(|(slope, sigma)| (slope * sigma).powi(2))
             .sum();
-        square.sqrt()
+        // An empty sum is -0, and no deviation is negative.
+        square.abs().sqrt()
     }
 }

@@ -24,8 +24,7 @@ impl Rectification {
     /// Plans the rectification of pictures of this size.
     ///
     /// # Errors
-    /// [`BadRig`] if an eye looks away from where both look in the mean, so that no flat picture
-    /// holds what it sees.
+    /// [`BadRig`] if the eyes are no rig along their own baseline.
     pub fn plan(rig: &StereoRig, size: Size) -> Result<Self, BadRig> {
         let aligned = StereoRig::from_pose(rig.intrinsics(), &rig.relative_pose())?
             .with_lenses(rig.lenses())?;
@@ -42,15 +41,14 @@ impl Rectification {
             (size.width as f64 - 1.0) / 2.0,
             (size.height as f64 - 1.0) / 2.0,
         );
-        let shown = sources.try_map(|eye| {
-            let ray = eye.ray(middle).ok_or(BadRig::Angle(f64::NAN))?;
-            let [x, y, z] = ray.direction;
-            if z > 0.0 {
-                Ok((focal_px * x / z, focal_px * y / z))
-            } else {
-                Err(BadRig::Angle(eye.rotation.to_vector()[1]))
-            }
-        })?;
+        // Where the middle shows nothing that lies in front, as in a picture far off its own axis,
+        // the axis takes its place; it looks forward, or the eyes were no rig.
+        let shown = sources.map(|eye| {
+            let axis = eye.rotation.apply([0.0, 0.0, 1.0]);
+            let seen = eye.ray(middle).map(|ray| ray.direction);
+            let [x, y, z] = seen.filter(|direction| direction[2] > 0.1).unwrap_or(axis);
+            (focal_px * x / z, focal_px * y / z)
+        });
         let row = middle.1 - f64::midpoint(shown.left.1, shown.right.1);
         let intrinsics = shown.map(|(x, _)| CameraIntrinsics {
             focal_px: (focal_px, focal_px),

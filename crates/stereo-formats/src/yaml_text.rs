@@ -27,14 +27,14 @@ pub(crate) fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, NotYaml> {
     let text = text
         .replace("!!opencv-matrix", "               ")
         .replace("%YAML:1.0", "#YAML:1.0");
-    serde_saphyr::from_str(&text).map_err(|error| {
-        let location = error
-            .location()
-            .map(|at| format!("line {}, column {}: ", at.line(), at.column()));
+    let options = serde_saphyr::options! {
+        non_finite_float_policy: serde_saphyr::NonFiniteFloatPolicy::PassThrough,
+    };
+    serde_saphyr::from_str_with_options(&text, options).map_err(|error| {
         let message = error.to_string();
-        // The first line says what is wrong; the rest draws the place.
+        // The first line says what is wrong and where; the rest draws the place.
         let first = message.lines().next().unwrap_or_default().trim();
-        NotYaml::Grammar(format!("{}{first}", location.unwrap_or_default()))
+        NotYaml::Grammar(first.strip_prefix("error: ").unwrap_or(first).to_owned())
     })
 }
 
