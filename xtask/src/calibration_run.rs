@@ -335,7 +335,7 @@ impl CalibrationRun {
         let missed: Vec<String> = self
             .marks()
             .into_iter()
-            .filter(|mark| !(mark.found <= mark.most))
+            .filter(|mark| mark.found.is_nan() || mark.found > mark.most)
             .map(|mark| format!("{} is {:.3} {}", mark.what, mark.found, mark.unit))
             .collect();
         (!missed.is_empty()).then(|| format!("missed: {}", missed.join("; ")))

@@ -302,7 +302,7 @@ impl DepthRun {
         let missed: Vec<String> = self
             .marks()
             .into_iter()
-            .filter(|(_, found, most)| !(found <= most))
+            .filter(|(_, found, most)| found.is_nan() || found > most)
             .map(|(what, found, _)| format!("{what} is {:.1} mm", 1000.0 * found))
             .collect();
         (!missed.is_empty()).then(|| format!("missed: {}", missed.join("; ")))

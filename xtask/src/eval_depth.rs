@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, bail};
 use clap::Args;
-use disparity_pyramid::{DisparityField, MatchParams, estimate_near_first};
+use disparity_pyramid::{DisparityField, MatchParams, estimate, estimate_near_first};
 use egocentric_depth::{
     Attitude, CameraIntrinsics, DepthMap, DriftBelief, Lens, OrientationParams, RigDrift,
     StereoRig, relative_orientation, triangulate,
@@ -261,13 +261,10 @@ fn look(rig: &StereoRig, distance_m: f64, seed: u64) -> anyhow::Result<(View, Di
         right: taken(&view.images.right, 2 * seed + 1)?,
     };
     let gabor = GaborParams::default();
-    let gabor = GaborParams {
-        scales: gabor.most_scales(head.size),
-        ..gabor
-    };
     let bank = FilterBank::plan(gabor, head.size)?;
     let responses = taken.as_ref().try_map(|eye| bank.respond(eye))?;
-    let field = estimate_near_first(&responses, MatchParams::default())?.field;
+    // What the head fixates has no disparity, so the search is about zero.
+    let field = estimate(&responses, MatchParams::default())?;
     Ok((view, field))
 }
 

@@ -16,7 +16,7 @@ impl StereoRig {
     /// `Z = b / (tan left - tan right)`, so that `dZ = Z^2 / b` times the change of the tangent of
     /// the right azimuth, which is `(1 + tan^2) / (1 + x^2) / f` a pixel with `x` the point's
     /// normalised abscissa in the right eye. For all others it is the inverse of how fast the right
-    /// pixel moves as the point goes along the left line of sight. The result is infinite where the
+    /// pixel moves along its epipolar line as the point goes along the left line of sight. The result is infinite where the
     /// right eye cannot see the point.
     ///
     /// `disparity_sigma_px` is the caller's: the measured error of the estimator in use, or, pixel
@@ -36,8 +36,10 @@ impl StereoRig {
         }
     }
 
-    /// How far the depth of a point moves if its right pixel moves by one along the row, in metres;
-    /// NaN where the right eye cannot see it.
+    /// How far the depth of a point moves if its right pixel moves by one along its epipolar line, in
+    /// metres; NaN where the right eye cannot see it.
+    ///
+    /// Eyes that only pan count along the row, from which the line leans but little.
     #[must_use]
     pub fn depth_per_px(&self, point: Position<Head>) -> f64 {
         if self.only_pans() {
@@ -47,31 +49,49 @@ impl StereoRig {
             let tangent_per_px = (1.0 + azimuth * azimuth) / (1.0 + abscissa * abscissa) / focal_px;
             return point.z_m * point.z_m / self.baseline_m() * tangent_per_px;
         }
+        let (across, down) = self.step_of_depth(point);
+        2.0 * STEP * point.z_m / across.hypot(down)
+    }
+
+    /// How the right pixel moves as the point goes along the left line of sight, from a [`STEP`] before
+    /// to one behind it; NaN where the right eye does not see it.
+    fn step_of_depth(&self, point: Position<Head>) -> (f64, f64) {
         let eyes = self.eyes();
         let (from, to) = (eyes.left.centre.to_array(), point.to_array());
-        let column = |stretch: f64| {
+        let seen = |stretch: f64| {
             let along = std::array::from_fn(|i| from[i] + stretch * (to[i] - from[i]));
             eyes.right
                 .project(Position::from_array(along))
-                .map_or(f64::NAN, |(u, _)| u)
+                .unwrap_or((f64::NAN, f64::NAN))
         };
-        (2.0 * STEP * point.z_m / (column(1.0 + STEP) - column(1.0 - STEP))).abs()
+        let (near, far) = (seen(1.0 - STEP), seen(1.0 + STEP));
+        (far.0 - near.0, far.1 - near.1)
     }
 
-    /// How far the right pixel of a point lies from where this rig expects it, along the row: one
-    /// standard deviation in pixels, to first order, of what is uncertain of the rig
+    /// How far the right pixel of a point lies from where this rig expects it, along its epipolar line:
+    /// one standard deviation in pixels, to first order, of what is uncertain of the rig
     /// ([`StereoRig::sigma`]). It is common to all pixels of a look, so no mean over pixels takes it
     /// away.
     #[must_use]
     pub fn pose_sigma_px(&self, point: Position<Head>) -> f64 {
+        let (across, down) = if self.only_pans() {
+            (1.0, 0.0)
+        } else {
+            let (across, down) = self.step_of_depth(point);
+            let length = across.hypot(down);
+            (across / length, down / length)
+        };
         let right = self.eyes().right;
         let seen = right.coordinates(point);
-        let [x, _, z] = seen;
-        let (focal_px, _) = right.intrinsics.focal_px;
-        let column = |[dx, _, dz]: [f64; 3]| focal_px * (dx / z - x * dz / (z * z));
+        let [x, y, z] = seen;
+        let (fx, fy) = right.intrinsics.focal_px;
+        let along = |[dx, dy, dz]: [f64; 3]| {
+            let (du, dv) = (dx / z - x * dz / (z * z), dy / z - y * dz / (z * z));
+            across * fx * du + down * fy * dv
+        };
         // A turn of the eye moves what it sees by the opposite turn, a step by the opposite step.
-        let turned = |axis: [f64; 3]| column(cross(seen, axis));
-        let stepped = |step: [f64; 3]| column(right.rotation.apply_inverse(step));
+        let turned = |axis: [f64; 3]| along(cross(seen, axis));
+        let stepped = |step: [f64; 3]| along(right.rotation.apply_inverse(step));
         let baseline_m = self.baseline_m();
         let slopes = [
             turned([1.0, 0.0, 0.0]),

@@ -46,9 +46,10 @@ impl DisparitySigma {
 }
 
 impl Default for DisparitySigma {
-    /// The vector pyramid's, as `cargo xtask calibrate-confidence` fits it.
+    /// The vector pyramid's, as `cargo xtask calibrate-confidence` fits it to twelve pairs. On a pair that
+    /// was left out `1.96` of it hold the truth in 95 % of the pixels in the mean, in 88 % of the worst.
     fn default() -> Self {
-        Self::new([3.0, 2.0, 1.5, 1.0, 0.7, 0.5, 0.4, 0.3])
+        Self::new([3.261, 0.412, 0.294, 0.244, 0.212, 0.186, 0.162, 0.158])
     }
 }
 

@@ -174,18 +174,16 @@ pub enum NoRotation {
 
 /// How far a matrix times its transpose is from the identity, NaN if an entry is no number.
 fn defect(rows: &[[f64; 3]; 3]) -> f64 {
-    let mut most = 0.0;
+    let mut most = 0.0f64;
     for i in 0..3 {
         for j in 0..3 {
             let own = if i == j { 1.0 } else { 0.0 };
             let apart = (dot(rows[i], rows[j]) - own).abs();
-            // A NaN stays: it is not below anything.
-            if !(apart <= most) {
-                most = apart;
+            // A maximum would let a NaN pass unseen.
+            if apart.is_nan() {
+                return apart;
             }
-            if most.is_nan() {
-                return most;
-            }
+            most = apart.max(most);
         }
     }
     most
