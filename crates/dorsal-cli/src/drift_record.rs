@@ -8,7 +8,7 @@ use crate::text_table::TextTable;
 #[serde(untagged)]
 pub(crate) enum DriftRecord {
     /// It was found.
-    Found(FoundDrift),
+    Found(Box<FoundDrift>),
     /// It was not, for this reason.
     Unknown {
         /// The reason.
@@ -54,7 +54,7 @@ struct Number {
 impl DriftRecord {
     pub(crate) fn of(found: &Result<RelativeOrientation, NoOrientation>) -> Self {
         match found {
-            Ok(found) => Self::Found(FoundDrift::of(found)),
+            Ok(found) => Self::Found(Box::new(FoundDrift::of(found))),
             Err(reason) => Self::Unknown {
                 reason: reason.to_string(),
             },

@@ -92,7 +92,7 @@ mod tests {
             if x == 30 {
                 return 9.0;
             }
-            (2.0 / (1.0 + (y as f32 - 15.0) / 100.0)) as f32
+            2.0 / (1.0 + (y as f32 - 15.0) / 100.0)
         });
         let found = normals(&DepthMap::new(leaning), &rig);
         let half = std::f32::consts::FRAC_1_SQRT_2;

@@ -208,11 +208,15 @@ impl Storage {
             .iter()
             .find_map(|alias| Some((*alias, self.matrices.get(*alias)?)));
         let (alias, matrix) = found.ok_or(NotAStorage::Missing(name))?;
-        if matrix.rows.checked_mul(matrix.cols) == Some(matrix.numbers.len()) {
-            return Ok((alias, matrix));
-        }
         let (rows, cols, found) = (matrix.rows, matrix.cols, matrix.numbers.len());
-        Err(matrix.wrong(alias, format!("has {found} numbers for {rows} x {cols}")))
+        if rows.checked_mul(cols) != Some(found) {
+            let what = format!("has {found} numbers for {rows} x {cols}");
+            return Err(matrix.wrong(alias, what));
+        }
+        match matrix.numbers.iter().find(|number| !number.is_finite()) {
+            Some(number) => Err(matrix.wrong(alias, format!("has {number}, which is not finite"))),
+            None => Ok((alias, matrix)),
+        }
     }
 
     fn rig(&self, unit_m: f64) -> Result<SizedRig, NotAStorage> {

@@ -92,13 +92,14 @@ pub fn decode(bytes: &[u8]) -> Result<CameraInfo, NotCameraInfo> {
     };
     let numbers = |key: &'static str, matrix: &Matrix| {
         let (rows, cols, found) = (matrix.rows, matrix.cols, matrix.data.len());
-        if rows.checked_mul(cols) == Some(found) {
-            Ok(plain(&matrix.data))
-        } else {
-            Err(wrong(
-                key,
-                format!("has {found} numbers for {rows} x {cols}"),
-            ))
+        if rows.checked_mul(cols) != Some(found) {
+            let what = format!("has {found} numbers for {rows} x {cols}");
+            return Err(wrong(key, what));
+        }
+        let data = plain(&matrix.data);
+        match data.iter().find(|number| !number.is_finite()) {
+            Some(number) => Err(wrong(key, format!("has {number}, which is not finite"))),
+            None => Ok(data),
         }
     };
     let k = numbers("camera_matrix", &text.camera_matrix)?;
