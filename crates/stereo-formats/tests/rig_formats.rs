@@ -219,7 +219,7 @@ fn refusals_name_the_line() {
     };
     said(
         &kalibr("[537.4, 537.0", "[537.0"),
-        &["line 18", "cam1", "3 intrinsics"],
+        &["line 19", "cam1", "3 intrinsics"],
     );
     said(&kalibr("pinhole", "omni"), &["line 3", "omni"]);
     said(
@@ -241,7 +241,7 @@ fn refusals_name_the_line() {
     said(&opencv("<M2 ", "<N2 "), &["line"]);
     said(
         &opencv("0.99996 0. -8", "0.9 0. -8"),
-        &["line 37", "no rotation"],
+        &["line 33", "no rotation"],
     );
     said(&opencv("-1.2000000000000000e-01", "0"), &["baseline of 0"]);
     said(&opencv("-1.2000000000000000e-01", "0.12"), &["exchanged"]);
