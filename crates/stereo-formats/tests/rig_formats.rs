@@ -247,7 +247,7 @@ fn refusals_name_the_line() {
     said(&opencv("-1.2000000000000000e-01", "0.12"), &["exchanged"]);
     said(
         &opencv_storage::decode(&[b"%YAML:1.0\n---\na: 1\n"], 1.0).unwrap_err(),
-        &["no M1"],
+        &["no R"],
     );
     said(
         &opencv_storage::decode(&[], 0.0).unwrap_err(),
