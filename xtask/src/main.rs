@@ -15,19 +15,26 @@ mod bench_page;
 mod bounds;
 mod calculus_pictures;
 mod calculus_results;
+mod calibrate_confidence;
+mod calibration_run;
+mod camera_noise;
 mod check_soundness;
 mod clocked;
 mod compare_opencv;
 mod comparison;
+mod confidence_run;
 mod continuous;
 mod curve_svg;
 mod data_folder;
 mod date;
 mod dense_results_page;
+mod depth_run;
 mod docs_folder;
 mod download;
 mod error_picture;
 mod estimator;
+mod eval_calibration;
+mod eval_depth;
 mod eval_flow;
 mod eval_middlebury;
 mod eval_robustness;
@@ -92,11 +99,14 @@ struct Tasks {
 enum Task {
     BankPictures(bank_pictures::Options),
     Bench(bench::Options),
+    EvalCalibration(eval_calibration::Options),
+    EvalDepth(eval_depth::Options),
     EvalFlow(eval_flow::Options),
     EvalMiddlebury(eval_middlebury::Options),
     CheckSoundness(check_soundness::Options),
     SoakMemory(soak_memory::Options),
     ExportGqr(export_gqr::Options),
+    CalibrateConfidence(calibrate_confidence::Options),
     CalculusPictures(calculus_pictures::Options),
     CalculusResults(calculus_results::Options),
     #[command(name = "compare-opencv")]
@@ -111,11 +121,14 @@ fn main() -> ExitCode {
     let done = match task {
         Task::Bench(options) => bench::run(&options),
         Task::BankPictures(options) => bank_pictures::run(&options),
+        Task::EvalCalibration(options) => eval_calibration::run(&options),
+        Task::EvalDepth(options) => eval_depth::run(&options),
         Task::EvalFlow(options) => eval_flow::run(&options),
         Task::EvalMiddlebury(options) => eval_middlebury::run(&options),
         Task::CheckSoundness(options) => check_soundness::run(&options),
         Task::SoakMemory(options) => soak_memory::run(&options),
         Task::ExportGqr(options) => export_gqr::run(&options),
+        Task::CalibrateConfidence(options) => calibrate_confidence::run(&options),
         Task::CalculusPictures(options) => calculus_pictures::run(&options),
         Task::CalculusResults(options) => calculus_results::run(&options),
         Task::CompareOpencv(options) => compare_opencv::run(&options),

@@ -1,11 +1,13 @@
 use clap::{CommandFactory as _, Parser, Subcommand, error::ErrorKind};
 
+use crate::calibrate_arguments::CalibrateArguments;
 use crate::compose_arguments::ComposeArguments;
 use crate::demo_arguments::DemoArguments;
 use crate::flow_arguments::FlowArguments;
 use crate::look_arguments::LookArguments;
 use crate::memory_arguments::MemoryArguments;
 use crate::network_arguments::NetworkArguments;
+use crate::rig_arguments::RigArguments;
 use crate::tables_arguments::TablesArguments;
 use crate::v1_arguments::V1Arguments;
 
@@ -33,6 +35,10 @@ pub(crate) enum Command {
     Look(LookArguments),
     /// Looks at a real pair and a rendered room, and compares with the truth
     Demo(DemoArguments),
+    /// Corrects a rig by what its own eyes see, and says how well that is known
+    Calibrate(CalibrateArguments),
+    /// Converts rigs between formats, says what they can see, rectifies pairs
+    Rig(RigArguments),
     /// Finds how every point moves between two frames of one eye, and writes it
     Flow(FlowArguments),
     /// Filters one picture as primary visual cortex does, and writes what it finds
@@ -55,6 +61,8 @@ Examples:
       Disparity alone.
   dorsal look left.png right.png --out out --rig rig.toml --labels labels.toml
       Depth in metres, and the relations of the labelled objects.
+  dorsal calibrate left.png right.png --rig rig.toml --out rig.fixed.toml
+      The right eye's pose, corrected from the images themselves.
   dorsal flow frame1.png frame2.png --out out
       Optic flow between two moments of one eye.
   dorsal v1 left.png --out out
@@ -92,6 +100,8 @@ impl Command {
             Self::Look(look) => Some(("look", look.conflict()?)),
             Self::V1(v1) => Some(("v1", v1.conflict()?)),
             Self::Demo(_)
+            | Self::Calibrate(_)
+            | Self::Rig(_)
             | Self::Tables(_)
             | Self::Compose(_)
             | Self::Network(_)

@@ -113,6 +113,7 @@ fn plan(scene: &DemoScene) -> anyhow::Result<Plan> {
             ..MatchParams::default()
         },
         rig: Some(scene.rig),
+        recalibrate: false,
         objects: Some(scene.objects.clone()),
         locating: LocateParams::default(),
         reference: DepthReference::robot_120(),

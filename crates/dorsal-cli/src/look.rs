@@ -3,12 +3,13 @@ use std::path::Path;
 
 use dorsal::allocentric_qsr::QualifyParams;
 use dorsal::disparity_pyramid::{DenseParams, MatchParams, SearchRange};
-use dorsal::egocentric_depth::{LocateParams, StereoRig};
+use dorsal::egocentric_depth::LocateParams;
 use dorsal::v1_gabor::{Binocular, GaborParams, Size};
 use dorsal::{DenseLook, Range, Search};
-use stereo_formats::{middlebury_calib, picture, rig_toml};
+use stereo_formats::picture;
 
 use crate::console::Console;
+use crate::drift_record::DriftRecord;
 use crate::look_arguments::{Estimator, LookArguments, MostDisparity, Preset, Rectify};
 use crate::look_files::look_files;
 use crate::look_record::{Inputs, LookRecord};
@@ -18,6 +19,7 @@ use crate::outputs::ensure_folder;
 use crate::plan::Plan;
 use crate::reference_system::reference_system;
 use crate::relation_table::relation_table;
+use crate::rig_file::read_rig;
 use crate::times::Times;
 
 /// Below this part of valid pixels a disparity field deserves a word.
@@ -61,6 +63,10 @@ pub(crate) fn look(arguments: &LookArguments, out: &mut dyn Write) -> anyhow::Re
         ));
     }
 
+    if arguments.recalibrate && sight.drift.as_ref().is_none_or(Result::is_err) {
+        console.note("the rig is not recalibrated: the look does not tell where the right eye is");
+    }
+
     console.step("writing");
     let record = LookRecord::new(&plan, &sight, &times, inputs(arguments), arguments.dense);
     let median_px = record.median_disparity_px();
@@ -69,7 +75,7 @@ pub(crate) fn look(arguments: &LookArguments, out: &mut dyn Write) -> anyhow::Re
     times.measure("writing", || files.write(&arguments.out))?;
     console.clear();
 
-    if let (Some(scene), Some(rig), Some(objects)) = (&sight.scene, &plan.rig, &plan.objects) {
+    if let (Some(scene), Some(rig), Some(objects)) = (&sight.scene, &sight.rig, &plan.objects) {
         writeln!(out, "{}", object_table(scene, rig, &objects.names))?;
         writeln!(out, "{}", relation_table(&scene.qualitative))?;
     }
@@ -80,6 +86,15 @@ pub(crate) fn look(arguments: &LookArguments, out: &mut dyn Write) -> anyhow::Re
     }
     if let Some(median_px) = median_px {
         writeln!(out, "disparity {median_px:.2} px in the median")?;
+    }
+    if let Some(drift) = &sight.drift {
+        let applied = if arguments.recalibrate && drift.is_ok() {
+            " (corrected)"
+        } else {
+            ""
+        };
+        let drift = DriftRecord::of(drift);
+        writeln!(out, "drift     {}{applied}", drift.sentence())?;
     }
     writeln!(out, "time      {}", times.sentence())?;
     writeln!(
@@ -124,6 +139,7 @@ fn plan(arguments: &LookArguments, size: Size) -> anyhow::Result<Plan> {
             ..steps
         },
         rig,
+        recalibrate: arguments.recalibrate,
         objects,
         locating: LocateParams::default(),
         reference: reference_system(&arguments.system)?,
@@ -152,16 +168,6 @@ fn estimator(arguments: &LookArguments) -> anyhow::Result<dorsal::Estimator> {
         search,
         align_rows: arguments.rectify == Rectify::Auto,
     }))
-}
-
-/// Reads a rig of our own, or a `calib.txt` of Middlebury.
-fn read_rig(path: &Path) -> anyhow::Result<StereoRig> {
-    let calib = path.extension().is_some_and(|extension| extension == "txt");
-    Ok(if calib {
-        middlebury_calib::read(path)?.rig
-    } else {
-        rig_toml::read(path)?
-    })
 }
 
 fn inputs(arguments: &LookArguments) -> Inputs {

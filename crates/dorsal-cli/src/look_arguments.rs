@@ -47,9 +47,15 @@ pub(crate) struct LookArguments {
     #[arg(long)]
     pub(crate) dense: bool,
 
-    /// The two cameras: rig.toml, or Middlebury's calib.txt; gives depth in metres
+    /// The two cameras: rig.toml, Middlebury's calib.txt, Kalibr's camchain, OpenCV's YAML or XML; gives
+    /// depth in metres (see dorsal rig convert)
     #[arg(long, value_name = "RIG.toml")]
     pub(crate) rig: Option<PathBuf>,
+
+    /// Take depth with the rig as this look says it is: the right eye's slip, which every look with
+    /// --rig prints, is corrected, and the rig is written to rig.fixed.toml
+    #[arg(long, requires = "rig", conflicts_with = "rows_only")]
+    pub(crate) recalibrate: bool,
 
     /// The objects in the left image: a PNG whose samples are labels, or a TOML of outlines;
     /// needs --rig
@@ -126,6 +132,16 @@ pub(crate) enum RangeChoice {
     Wide,
 }
 
+impl RangeChoice {
+    pub(crate) const fn range(self) -> Range {
+        match self {
+            Self::Near => Range::Given,
+            Self::Auto => Range::Auto,
+            Self::Wide => Range::Wide,
+        }
+    }
+}
+
 /// A parameter set of the dense estimator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Preset {
@@ -164,7 +180,9 @@ Files written:
   validity.png    255 valid, 200 inconsistent, 150 occluded, 100 out of view, 50 incoherent,
                   25 singular, 0 no energy
   look.json       parameters, densities, times
-  with --rig      depth.pfm (metres), depth.png (colours), cloud.ply
+  with --rig      depth.pfm (metres), depth.png (colours over a scale in metres), depth_mm.png
+                  (16 bits, millimetres, 0 unknown), cloud.ply
+  --recalibrate   rig.fixed.toml
   with --labels   scene.json: objects, egocentric and allocentric relations
 
 Examples:
@@ -174,6 +192,7 @@ Examples:
   dorsal look left.png right.png --out out --estimator dense --rectify auto
   dorsal look left.png right.png --out out --range wide
   dorsal look left.png right.png --out out --rig rig.toml --scales 7 --zero-disparity 40
+  dorsal look left.png right.png --out out --rig rig.toml --recalibrate
   dorsal look left.png right.png --out out --rig rig.toml --labels labels.png --names names.toml
 
 A rig.toml reads:
@@ -191,11 +210,7 @@ impl LookArguments {
         if said || self.published || self.estimator == Estimator::Dense {
             return Range::Given;
         }
-        match self.range {
-            RangeChoice::Near => Range::Given,
-            RangeChoice::Auto => Range::Auto,
-            RangeChoice::Wide => Range::Wide,
-        }
+        self.range.range()
     }
 
     /// What no single argument has wrong, but two of them together.
@@ -208,6 +223,13 @@ impl LookArguments {
             ));
         }
         let outlines = self.labels.as_deref().is_some_and(is_toml);
+        if self.recalibrate && self.estimator == Estimator::Dense {
+            return Some(
+                "--recalibrate needs vertical disparities, which the dense estimator does not see; \
+                 look with --estimator vector, or calibrate first"
+                    .to_owned(),
+            );
+        }
         (outlines && self.names.is_some()).then(|| {
             "a TOML file of outlines given with --labels names its objects itself; \
              leave --names out"
@@ -257,6 +279,13 @@ fn tau(text: &str) -> Result<f32, String> {
     match text.parse() {
         Ok(tau) if tau > 0.0 && tau <= f32::MAX => Ok(tau),
         _ => Err("a positive, finite number is needed".to_owned()),
+    }
+}
+
+pub(crate) fn degrees(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(number) if number > 0.0 && number <= 90.0 => Ok(number),
+        _ => Err("a positive number of at most 90 is needed".to_owned()),
     }
 }
 

@@ -1,11 +1,12 @@
 use dorsal::disparity_pyramid::ShiftCovariance;
-use dorsal::egocentric_depth::point_cloud;
+use dorsal::egocentric_depth::{DisparitySigma, normals, point_cloud};
 use dorsal::v1_gabor::Binocular;
 use ndarray::ArrayView2;
 use stereo_formats::colour::{self, ColourRange};
 use stereo_formats::picture::{self, Picture};
 use stereo_formats::ply::{self, CloudPoint};
-use stereo_formats::{NotAPng, file_sign, flo, pfm, scale_bar, validity_png};
+use stereo_formats::rig_toml::{self, SizedRig};
+use stereo_formats::{NotAPng, depth_png, file_sign, flo, pfm, scale_bar, validity_png};
 
 use crate::look_record::LookRecord;
 use crate::outputs::Outputs;
@@ -38,22 +39,43 @@ pub(crate) fn look_files<'a>(
         let d = file_sign::d_of_field(field, dense);
         coloured_png(d.view(), ColourRange::covering(d.view()))
     });
-    if let (Some(depth), Some(rig)) = (&sight.depth, &plan.rig) {
+    if let (Some(depth), Some(rig)) = (&sight.depth, &sight.rig) {
         files.add("depth.pfm", || pfm::encode(depth.metres()));
         files.add("depth.png", || {
             coloured_png(depth.metres(), ColourRange::covering(depth.metres()))
         });
+        // What has no code in whole millimetres is unknown there: the PFM has it.
+        files.add("depth_mm.png", || {
+            depth_png::encode(&depth.within(0.001, 65.535))
+        });
+        if plan.recalibrate {
+            files.add("rig.fixed.toml", || {
+                rig_toml::encode_sized(&SizedRig {
+                    rig: *rig,
+                    size: Some(depth.size()),
+                })
+            });
+        }
         files.add("cloud.ply", || {
             let colours = eyes.left.rgb();
-            let points = point_cloud(depth, rig).map(|point| CloudPoint {
-                position_m: point.position.to_array().map(|metres| metres as f32),
-                rgb: colours[[point.pixel.1, point.pixel.0]],
+            let facing = normals(depth, rig);
+            let disparity_sigma = DisparitySigma::default();
+            let points = point_cloud(depth, rig).map(|point| {
+                let at = [point.pixel.1, point.pixel.0];
+                let normal = facing[at];
+                let sigma_px = disparity_sigma.px(field.confidence()[at]);
+                CloudPoint {
+                    position_m: point.position.to_array().map(|metres| metres as f32),
+                    normal: if normal[0].is_nan() { [0.0; 3] } else { normal },
+                    sigma_m: rig.depth_sigma_m(rig.to_head(point.position), sigma_px) as f32,
+                    rgb: colours[at],
+                }
             });
             let points: Vec<CloudPoint> = points.collect();
             anyhow::Ok(ply::encode(&points))
         });
     }
-    if let (Some(scene), Some(rig), Some(objects)) = (&sight.scene, &plan.rig, &plan.objects) {
+    if let (Some(scene), Some(rig), Some(objects)) = (&sight.scene, &sight.rig, &plan.objects) {
         files.add("scene.json", move || {
             serde_json::to_vec_pretty(&SceneRecord::new(scene, rig, &objects.names))
         });

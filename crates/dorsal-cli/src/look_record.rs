@@ -6,6 +6,7 @@ use dorsal::{DenseLook, Estimator};
 use serde::Serialize;
 use stereo_formats::file_sign;
 
+use crate::drift_record::DriftRecord;
 use crate::outputs::FileName;
 use crate::plan::Plan;
 use crate::searched::{Searched, StartRecord};
@@ -37,6 +38,11 @@ pub(crate) struct LookRecord {
     disparity_px: Option<Spread>,
     /// Depths that the scales reach with the rig; no farthest one is no limit.
     reach_m: Option<Span>,
+    /// How the right eye has slipped from where the rig has it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    drift: Option<DriftRecord>,
+    /// Whether depth was taken with that corrected.
+    recalibrated: bool,
     threads: usize,
     time_ms: Times,
     /// The files beside this one.
@@ -167,6 +173,8 @@ impl LookRecord {
                     nearest: reach.nearest_m,
                     farthest: Some(reach.farthest_m).filter(|farthest_m| farthest_m.is_finite()),
                 }),
+            drift: sight.drift.as_ref().map(DriftRecord::of),
+            recalibrated: plan.recalibrate && matches!(sight.drift, Some(Ok(_))),
             threads: rayon::current_num_threads(),
             time_ms: times.clone(),
             files: Vec::new(),

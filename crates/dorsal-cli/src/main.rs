@@ -2,12 +2,15 @@
 //!
 //! The levels do the work; here are the people's side of it: arguments, files, pictures, clocks.
 mod arguments;
+mod calibrate;
+mod calibrate_arguments;
 mod compose;
 mod compose_arguments;
 mod console;
 mod demo;
 mod demo_arguments;
 mod demo_scene;
+mod drift_record;
 mod facts;
 mod flow;
 mod flow_arguments;
@@ -34,6 +37,9 @@ mod plan;
 mod pose_argument;
 mod reference_system;
 mod relation_table;
+mod rig;
+mod rig_arguments;
+mod rig_file;
 mod room;
 mod scene_file;
 mod scene_record;
@@ -63,8 +69,10 @@ fn main() -> ExitCode {
     let mut out = io::stdout().lock();
     let done = match &arguments.command {
         Command::Look(look) => look::look(look, &mut out),
+        Command::Calibrate(arguments) => calibrate::calibrate(arguments, &mut out),
         Command::Demo(demo) => demo::demo(demo, &mut out),
         Command::Flow(arguments) => flow::flow(arguments, &mut out),
+        Command::Rig(arguments) => rig::rig(arguments, &mut out),
         Command::V1(arguments) => v1::v1(arguments, &mut out),
         Command::Tables(tables) => tables::tables(tables, &mut out),
         Command::Compose(compose) => compose::compose(compose, &mut out),

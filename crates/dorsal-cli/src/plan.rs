@@ -1,7 +1,10 @@
 use anyhow::Context as _;
 use dorsal::allocentric_qsr::{DepthReference, Inference, Mode, QualifyParams, QualitativeScene};
 use dorsal::disparity_pyramid::{DisparityField, EyeView, MatchParams, RowAlignment};
-use dorsal::egocentric_depth::{LocateParams, StereoRig, locate, triangulate};
+use dorsal::egocentric_depth::{
+    LocateParams, NoOrientation, OrientationParams, RelativeOrientation, StereoRig, locate,
+    relative_orientation, triangulate,
+};
 use dorsal::v1_gabor::{Binocular, FilterBank, GaborParams};
 use dorsal::{DenseLook, Estimator, Range, sightings};
 use stereo_formats::picture::Picture;
@@ -19,6 +22,8 @@ pub(crate) struct Plan {
     pub(crate) gabor: GaborParams,
     pub(crate) matching: MatchParams,
     pub(crate) rig: Option<StereoRig>,
+    /// Whether depth is taken with the rig as the look itself says it is.
+    pub(crate) recalibrate: bool,
     pub(crate) objects: Option<Objects>,
     pub(crate) locating: LocateParams,
     pub(crate) reference: DepthReference,
@@ -45,13 +50,21 @@ impl Plan {
             }
         };
 
+        let drift = self.drift(&disparity, times);
+        let rig = match (&self.rig, &drift) {
+            (Some(rig), Some(Ok(found))) if self.recalibrate => Some(
+                rig.drifted(&found.drift)
+                    .and_then(|rig| rig.with_sigma(found.standard_error))
+                    .context("the rig cannot have drifted as the pictures say")?,
+            ),
+            _ => self.rig,
+        };
+
         console.step("triangulating");
-        let depth = self
-            .rig
-            .map(|rig| times.measure("depth", || triangulate(&disparity, &rig)));
+        let depth = rig.map(|rig| times.measure("depth", || triangulate(&disparity, &rig)));
 
         console.step("relating the objects");
-        let scene = match (&self.rig, &depth, &self.objects) {
+        let scene = match (&rig, &depth, &self.objects) {
             (Some(rig), Some(depth), Some(objects)) => Some(times.measure("relations", || {
                 let egocentric = locate(depth, &objects.labels, rig, &self.locating)?;
                 let qualitative = QualitativeScene::qualify_with(
@@ -70,9 +83,29 @@ impl Plan {
         Ok(Sight {
             disparity,
             searched,
+            rig,
+            drift,
             depth,
             scene: scene.transpose().context("the objects cannot be placed")?,
         })
+    }
+
+    /// How the right eye has slipped from where the rig has it, as the vertical disparities say; the
+    /// dense estimator has none.
+    fn drift(
+        &self,
+        disparity: &DisparityField,
+        times: &mut Times,
+    ) -> Option<Result<RelativeOrientation, NoOrientation>> {
+        let told = matches!(self.estimator, Estimator::Vector(_)) && !self.matching.rows_only;
+        let rig = self.rig.filter(|_| told)?;
+        // A tenth of what a calibration takes: neighbours tell little that is new.
+        const MATCHES: usize = 2000;
+        let params = OrientationParams {
+            matches: MATCHES,
+            ..OrientationParams::of(&rig)
+        };
+        Some(times.measure("drift", || relative_orientation(disparity, &rig, &params)))
     }
 
     /// The vector pyramid's disparity, and where it searched.

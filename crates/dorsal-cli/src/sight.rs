@@ -1,6 +1,8 @@
 use dorsal::allocentric_qsr::{Inference, QualitativeScene};
 use dorsal::disparity_pyramid::DisparityField;
-use dorsal::egocentric_depth::{DepthMap, EgocentricScene};
+use dorsal::egocentric_depth::{
+    DepthMap, EgocentricScene, NoOrientation, RelativeOrientation, StereoRig,
+};
 
 use crate::searched::Searched;
 
@@ -10,6 +12,11 @@ pub(crate) struct Sight {
     pub(crate) disparity: DisparityField,
     /// Where the vector pyramid searched, for itself or for the dense estimator.
     pub(crate) searched: Searched,
+    /// The rig that depth was taken with, corrected if that was asked for.
+    pub(crate) rig: Option<StereoRig>,
+    /// How the right eye has slipped from where the rig has it; nothing without a rig or without
+    /// vertical disparities.
+    pub(crate) drift: Option<Result<RelativeOrientation, NoOrientation>>,
     pub(crate) depth: Option<DepthMap>,
     pub(crate) scene: Option<Scene>,
 }

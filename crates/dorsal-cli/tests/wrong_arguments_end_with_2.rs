@@ -21,6 +21,8 @@ fn what_is_missing_or_unknown_is_named() {
     refused("demo", "--out <DIR>");
     refused("flow frame1.png --out o", "<NEXT>");
     refused("v1 left.png", "--out <DIR>");
+    refused("calibrate l.png r.png --rig rig.toml", "--out <FIXED.toml>");
+    refused("rig convert", "<RIG>");
     refused("tables --case 1", "--system <SYSTEM>");
 }
 

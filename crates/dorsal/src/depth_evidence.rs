@@ -86,7 +86,7 @@ impl<'a> DepthEvidence<'a> {
         centre: Position<Head>,
         within_m: f64,
     ) -> Option<(f64, f64)> {
-        let ray = self.eye.ray((x as f64, y as f64));
+        let ray = self.eye.ray((x as f64, y as f64))?;
         let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let (from, to) = (ray.origin.to_array(), centre.to_array());
         let way: [f64; 3] = std::array::from_fn(|axis| to[axis] - from[axis]);

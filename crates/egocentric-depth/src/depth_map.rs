@@ -42,6 +42,18 @@ impl DepthMap {
         self.metres.view()
     }
 
+    /// The same map with every depth unknown that is not from `nearest_m` to `farthest_m`.
+    #[must_use]
+    pub fn within(&self, nearest_m: f32, farthest_m: f32) -> Self {
+        Self::new(self.metres.mapv(|z| {
+            if (nearest_m..=farthest_m).contains(&z) {
+                z
+            } else {
+                f32::NAN
+            }
+        }))
+    }
+
     /// The part of the pixels whose depth is known, from 0 to 1.
     #[must_use]
     pub fn density(&self) -> f64 {

@@ -1,11 +1,12 @@
 use v1_gabor::Binocular;
 
-use crate::CameraIntrinsics;
 use crate::rotation::{Rotation, cross, dot};
+use crate::{CameraIntrinsics, Lens, RigDrift, StereoRig};
 
 /// Two eyes as the epipolar constraint knows them: turns and a direction, no length.
 pub(crate) struct EpipolarGeometry {
     pub(crate) intrinsics: Binocular<CameraIntrinsics>,
+    pub(crate) lenses: Binocular<Lens>,
     pub(crate) rotation: Binocular<Rotation>,
     /// From the left to the right centre in the head frame, in baselines.
     pub(crate) baseline: [f64; 3],
@@ -21,7 +22,32 @@ pub(crate) struct EpipolarResidual {
     pub(crate) vertical_px: f64,
 }
 
+impl StereoRig {
+    /// How far below the epipolar line the right pixel of a match lies, in pixels: 0 if this rig can
+    /// see one point at both. `None` where the constraint says nothing.
+    #[must_use]
+    pub fn misalignment_px(&self, pixels: Binocular<(f64, f64)>) -> Option<f64> {
+        EpipolarGeometry::of(self, &RigDrift::default())
+            .residual(pixels)
+            .map(|residual| residual.vertical_px)
+    }
+}
+
 impl EpipolarGeometry {
+    /// The eyes of a rig whose right one has drifted.
+    pub(crate) fn of(rig: &StereoRig, drift: &RigDrift) -> Self {
+        let (down, forward) = rig.slip();
+        Self {
+            intrinsics: rig.intrinsics(),
+            lenses: rig.lenses(),
+            rotation: Binocular {
+                left: rig.attitude().left.rotation(),
+                right: drift.right_rotation(rig),
+            },
+            baseline: [1.0, down + drift.down, forward + drift.forward],
+        }
+    }
+
     /// The residual of the match of two pixels; `None` where the constraint says nothing, as it
     /// does for a pixel that shows the other eye.
     ///
@@ -32,8 +58,14 @@ impl EpipolarGeometry {
     /// neglected term is the residual times a small change, and vanishes with the residual.
     pub(crate) fn residual(&self, pixels: Binocular<(f64, f64)>) -> Option<EpipolarResidual> {
         let eye = self.intrinsics;
-        let (xl, yl) = eye.left.normalised(pixels.left);
-        let (xr, yr) = eye.right.normalised(pixels.right);
+        let (xl, yl) = self
+            .lenses
+            .left
+            .undistort(eye.left.normalised(pixels.left))?;
+        let (xr, yr) = self
+            .lenses
+            .right
+            .undistort(eye.right.normalised(pixels.right))?;
         let sight = Binocular {
             left: self.rotation.left.apply([xl, yl, 1.0]),
             right: self.rotation.right.apply([xr, yr, 1.0]),

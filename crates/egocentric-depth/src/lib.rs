@@ -54,29 +54,37 @@
 //! |---|---|---|
 //! | parallel | [`triangulate`] | `Z = f b / (d + doffs)` |
 //! | panned | [`triangulate`] | [`general_form`] |
-//! | of any attitude | [`triangulate_rays`] | [`midpoint`] of two lines of sight |
+//! | of any [`Attitude`], behind any [`Lens`] | [`triangulate`], [`triangulate_rays`] | [`midpoint`] of two lines of sight |
 //! | fixating, on the midline | [`equation_5`] | the paper's equation 5, relative to fixation |
 //!
 //! # Calibration from the images themselves
 //! [`relative_orientation`] finds how the right eye has slipped from its place ([`RigDrift`]) in
 //! the vertical component of the disparities. Nothing is kept between looks: the drift is a value
 //! that the caller passes on.
+mod attitude;
 mod camera_intrinsics;
 mod depth_map;
 mod depth_sigma;
+mod disparity_sigma;
+mod drift_belief;
 mod egocentric_scene;
 mod epipolar_residual;
 mod equation_5;
 mod eye;
 mod general_form;
 mod label_image;
+mod lens;
 mod locate;
 mod midpoint;
+mod normals;
 mod point_cloud;
 mod position;
 mod reach;
+mod rectification;
 mod rectified_form;
 mod relative_orientation;
+mod relative_pose;
+mod relief;
 mod rig_drift;
 mod robust_sample;
 mod rotation;
@@ -84,23 +92,30 @@ mod stereo_rig;
 mod triangulate;
 mod triangulate_rays;
 
+pub use attitude::Attitude;
 pub use camera_intrinsics::CameraIntrinsics;
 pub use depth_map::{DepthMap, WrongConfidence};
+pub use disparity_sigma::DisparitySigma;
+pub use drift_belief::{DriftBelief, NoSigma};
 pub use egocentric_scene::{EgocentricScene, LocatedObject, UnlocatedObject, WhyUnlocated};
 pub use equation_5::{OutOfDomain, equation_5};
 pub use eye::{Eye, Ray};
 pub use general_form::general_form;
 pub use label_image::{Label, LabelImage};
+pub use lens::Lens;
 pub use locate::{LocateParams, NotLocatable, locate};
 pub use midpoint::{Midpoint, midpoint};
+pub use normals::normals;
 pub use point_cloud::{CloudPoint, point_cloud};
 pub use position::{Head, Observer, Position};
 pub use reach::{Reach, Search, reach_px};
+pub use rectification::{Rectification, resampled};
 pub use relative_orientation::{
     NoOrientation, OrientationParams, RelativeOrientation, relative_orientation,
 };
+pub use relative_pose::RelativePose;
 pub use rig_drift::RigDrift;
-pub use rotation::Rotation;
+pub use rotation::{NoRotation, Rotation};
 pub use stereo_rig::{BadRig, StereoRig};
 pub use triangulate::{triangulate, triangulate_guesses};
 pub use triangulate_rays::{RayTriangulation, triangulate_rays};

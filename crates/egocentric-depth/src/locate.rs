@@ -168,7 +168,8 @@ fn place(
     Ok(LocatedObject {
         label: evidence.label,
         position: rig.to_observer(in_head),
-        covariance_m2: covariance(rig, pixel, depth_m, depth_sigma_m, params.label_sigma_px),
+        covariance_m2: covariance(rig, pixel, depth_m, depth_sigma_m, params.label_sigma_px)
+            .ok_or(WhyUnlocated::NotInFront)?,
         pixel,
         depth_m,
         spread_m,
@@ -216,17 +217,18 @@ fn median_pixel(pixels: &[KnownPixel]) -> (f64, f64) {
 }
 
 /// The covariance of `origin + depth / D_z D(pixel)` in the observer frame, `D` being the line of
-/// sight: one independent term for the depth and one for either axis of the pixel.
+/// sight: one independent term for the depth and one for either axis of the pixel. What a lens
+/// stretches a pixel's angle by is left out. `None` where the eye sees nothing.
 fn covariance(
     rig: &StereoRig,
     pixel: (f64, f64),
     depth_m: f64,
     depth_sigma_m: f64,
     pixel_sigma_px: f64,
-) -> [[f64; 3]; 3] {
+) -> Option<[[f64; 3]; 3]> {
     let eye = rig.eyes().left;
     let (fx, fy) = eye.intrinsics.focal_px;
-    let sight = eye.ray(pixel).direction;
+    let sight = eye.ray(pixel)?.direction;
     let along = sight.map(|component| component / sight[2]);
     let per_pixel = |step: [f64; 3]| -> [f64; 3] {
         let turn = eye.rotation.apply(step);
@@ -242,7 +244,7 @@ fn covariance(
             .apply(derivative)
             .map(|component| component * sigma)
     });
-    std::array::from_fn(|i| {
+    Some(std::array::from_fn(|i| {
         std::array::from_fn(|j| terms.iter().map(|term| term[i] * term[j]).sum())
-    })
+    }))
 }

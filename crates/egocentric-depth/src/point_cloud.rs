@@ -26,7 +26,7 @@ pub fn point_cloud<'a>(
         .filter_map(move |(index, &depth_m)| {
             let width = depth.size().width;
             let pixel = (index % width, index / width);
-            let [x, y, z] = left.ray((pixel.0 as f64, pixel.1 as f64)).direction;
+            let [x, y, z] = left.ray((pixel.0 as f64, pixel.1 as f64))?.direction;
             let stretch = f64::from(depth_m) / z;
             let in_head = [
                 left.centre.x_m + stretch * x,

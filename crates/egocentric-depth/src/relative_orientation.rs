@@ -4,39 +4,62 @@ use faer::linalg::solvers::{DenseSolveCore, Solve};
 use v1_gabor::Binocular;
 
 use crate::epipolar_residual::{EpipolarGeometry, EpipolarResidual};
+use crate::relief::{Relief, off_plane};
 use crate::robust_sample::{SIGMA_OVER_MAD, median};
-use crate::{RigDrift, Rotation, StereoRig};
+use crate::{DriftBelief, RigDrift, Rotation, StereoRig, midpoint};
 
 /// What is known of the drift beforehand, and how much is asked of the fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrientationParams {
-    /// The expected drift: none, or that of the look before.
-    pub expected: RigDrift,
-    /// One standard deviation of the expected drift; infinite where nothing is expected.
-    pub expected_sigma: RigDrift,
+    /// The expected drift: none, what encoders say, or what is left of the belief of the look before
+    /// ([`DriftBelief::aged`]).
+    pub expected: DriftBelief,
     /// About how many matches to use, taken from a regular grid.
     pub matches: usize,
     /// How many rounds of Gauss-Newton to take at most.
     pub rounds: usize,
 }
 
-impl Default for OrientationParams {
-    /// Images fix pitch and roll but hardly yaw and the direction of the baseline, so these are
-    /// expected to be what the rig says, to half a degree and a hundredth of the baseline: what
-    /// encoders and a machined bar promise.
-    fn default() -> Self {
+impl OrientationParams {
+    /// What is expected of any rig: pitch and roll, which images fix, are open; yaw and the
+    /// direction of the baseline, which they hardly tell, are what the rig says to half a degree and
+    /// a hundredth of the baseline. Encoders and a machined bar promise as much.
+    pub const SIGMA: RigDrift = RigDrift {
+        pitch_rad: f64::INFINITY,
+        yaw_rad: 0.5 * std::f64::consts::PI / 180.0,
+        roll_rad: f64::INFINITY,
+        down: 0.01,
+        forward: 0.01,
+    };
+
+    /// The expectation of a rig that has not drifted: within its own [`StereoRig::sigma`] where it
+    /// has one, else within [`OrientationParams::SIGMA`].
+    #[must_use]
+    pub fn of(rig: &StereoRig) -> Self {
+        let own = rig.sigma().to_array();
+        let any = Self::SIGMA.to_array();
+        let sigma = std::array::from_fn(|i| if own[i] > 0.0 { own[i] } else { any[i] });
+        Self::expecting(DriftBelief::of_sigma(
+            RigDrift::default(),
+            &RigDrift::from_array(sigma),
+        ))
+    }
+
+    /// The usual fit with this expectation.
+    #[must_use]
+    pub const fn expecting(expected: DriftBelief) -> Self {
         Self {
-            expected: RigDrift::default(),
-            expected_sigma: RigDrift {
-                pitch_rad: f64::INFINITY,
-                yaw_rad: 0.5_f64.to_radians(),
-                roll_rad: f64::INFINITY,
-                down: 0.01,
-                forward: 0.01,
-            },
+            expected,
             matches: 4000,
             rounds: 50,
         }
+    }
+}
+
+impl Default for OrientationParams {
+    /// No drift, within [`OrientationParams::SIGMA`].
+    fn default() -> Self {
+        Self::expecting(DriftBelief::of_sigma(RigDrift::default(), &Self::SIGMA))
     }
 }
 
@@ -45,11 +68,19 @@ impl Default for OrientationParams {
 pub struct RelativeOrientation {
     /// How the right eye has drifted from its nominal place.
     pub drift: RigDrift,
+    /// The same with all that is known about it: what the next look may expect.
+    pub belief: DriftBelief,
     /// One standard error of each number, from the scatter of the matches and the prior.
     ///
-    /// The errors of the matches are taken as independent. Those of a dense field are alike among
-    /// neighbours, so expect the true errors to be some times larger on real images.
+    /// Matches closer than [`RelativeOrientation::INDEPENDENT_PX`] see the same texture and count
+    /// for less than one each.
     pub standard_error: RigDrift,
+    /// Which of the numbers the images tell, in the order of [`RigDrift::NAMES`]: those that they
+    /// leave less than half as uncertain as they were expected to be. The others stay as expected.
+    pub told: [bool; 5],
+    /// The part of the matches that lies off the one plane that most of them lie on, by more than
+    /// [`RelativeOrientation::OFF_PLANE_PX`] of parallax.
+    pub relief: f64,
     /// One standard deviation of the Sampson distance of the fitting matches, in pixels: an error
     /// `sigma` in each coordinate of both pixels has this `sigma`, and one in `dy` alone the
     /// square root of a half of it.
@@ -65,6 +96,27 @@ pub struct RelativeOrientation {
     pub rounds: usize,
     /// Whether the last round changed nothing any more; if not, the rounds ran out.
     pub settled: bool,
+}
+
+impl RelativeOrientation {
+    /// Matches at least so far apart err independently, in pixels: three windows of the finest
+    /// filters, since neighbours share their texture and what coarser scales made of it. On five
+    /// pairs of published pose the errors then are of the size of the standard errors; one window
+    /// makes these three times too small.
+    pub const INDEPENDENT_PX: f64 = 33.0;
+
+    /// A match this far off a plane, by parallax in pixels, does not lie on it.
+    pub const OFF_PLANE_PX: f64 = 1.0;
+
+    /// Below this part of matches off one plane a scene has no relief of its own.
+    pub const LEAST_RELIEF: f64 = 0.05;
+
+    /// Why the scene can tell less than five numbers, if it cannot: it is one plane, which any eyes
+    /// see alike that see it through the same homography.
+    #[must_use]
+    pub fn is_one_plane(&self) -> bool {
+        self.relief < Self::LEAST_RELIEF
+    }
 }
 
 /// Why the matches do not tell where the right eye is.
@@ -93,14 +145,6 @@ pub enum NoOrientation {
         /// The angle of the turn it came to, in radians.
         angle_rad: f64,
     },
-    /// A standard deviation of the prior is not positive.
-    #[error("nothing is expected to within {sigma} of {parameter}; it must be positive")]
-    Prior {
-        /// Which number it was for.
-        parameter: &'static str,
-        /// The standard deviation given.
-        sigma: f64,
-    },
 }
 
 /// Five unknowns and their scatter want some ten matches each.
@@ -124,8 +168,8 @@ const LEAST_NOISE_PX: f64 = 1e-4;
 /// eight-point algorithm is no alternative: it fails on planes, where this does not.
 ///
 /// `disparity` comes from the two images as they were taken, `rig` says what ought to hold, with
-/// parallel or verging eyes. The answer is a value: [`RigDrift::eyes`] corrects the rig for the
-/// next step, and [`OrientationParams::expected`] takes it into the next look.
+/// eyes of any attitude. The answer is a value: [`StereoRig::drifted`] corrects the rig for the next
+/// step, and [`OrientationParams::expected`] takes its belief into the next look.
 ///
 /// # Errors
 /// [`NoOrientation`] if the matches are too few, leave the orientation open or belong to another
@@ -135,16 +179,6 @@ pub fn relative_orientation(
     rig: &StereoRig,
     params: &OrientationParams,
 ) -> Result<RelativeOrientation, NoOrientation> {
-    for (sigma, parameter) in params
-        .expected_sigma
-        .to_array()
-        .into_iter()
-        .zip(RigDrift::NAMES)
-    {
-        if sigma.is_nan() || sigma <= 0.0 {
-            return Err(NoOrientation::Prior { parameter, sigma });
-        }
-    }
     let matches = sample_matches(disparity, params.matches);
     if matches.len() < LEAST_MATCHES {
         return Err(NoOrientation::TooFewMatches {
@@ -152,7 +186,7 @@ pub fn relative_orientation(
             needed: LEAST_MATCHES,
         });
     }
-    let mut drift = params.expected;
+    let mut drift = params.expected.drift();
     let mut rounds = 0;
     let mut settled = false;
     let mut system = System::at(&drift, &matches, rig, params);
@@ -168,9 +202,15 @@ pub fn relative_orientation(
         settled = step.iter().all(|change| change.abs() < 1e-8);
         rounds += 1;
     }
+    let standard_error = system.standard_error()?;
+    let before = params.expected.sigma().to_array();
+    let after = standard_error.to_array();
     Ok(RelativeOrientation {
         drift,
-        standard_error: system.standard_error()?,
+        belief: DriftBelief::of_information(drift, system.information),
+        standard_error,
+        told: std::array::from_fn(|i| after[i] < before[i] / 2.0),
+        relief: relief(&matches, &system.weights, &drift, rig),
         noise_px: system.noise_px,
         vertical_rms_before_px: vertical_rms(&system.weights, &RigDrift::default(), &matches, rig),
         vertical_rms_after_px: vertical_rms(&system.weights, &drift, &matches, rig),
@@ -184,6 +224,8 @@ pub fn relative_orientation(
 struct Match {
     pixels: Binocular<(f64, f64)>,
     confidence: f64,
+    /// The part of a match that is its own and not its neighbours'.
+    independent: f64,
 }
 
 /// The valid pixels on a square grid wide enough to leave about `wanted` of them: a grid spreads
@@ -192,6 +234,9 @@ fn sample_matches(disparity: &DisparityField, wanted: usize) -> Vec<Match> {
     let size = disparity.size();
     let valid = disparity.validity().iter().filter(|v| v.is_valid()).count();
     let pitch = ((valid as f64 / wanted.max(1) as f64).sqrt().floor() as usize).max(1);
+    let independent = (pitch as f64 / RelativeOrientation::INDEPENDENT_PX)
+        .powi(2)
+        .min(1.0);
     (pitch / 2..size.height)
         .step_by(pitch)
         .flat_map(|y| (pitch / 2..size.width).step_by(pitch).map(move |x| (x, y)))
@@ -204,6 +249,7 @@ fn sample_matches(disparity: &DisparityField, wanted: usize) -> Vec<Match> {
                     right: (u + f64::from(found.dx), v + f64::from(found.dy)),
                 },
                 confidence: f64::from(found.confidence),
+                independent,
             })
         })
         .collect()
@@ -227,7 +273,7 @@ impl System {
         rig: &StereoRig,
         params: &OrientationParams,
     ) -> Self {
-        let geometry = geometry(drift, rig);
+        let geometry = EpipolarGeometry::of(rig, drift);
         let residuals: Vec<Option<EpipolarResidual>> = matches
             .iter()
             .map(|found| geometry.residual(found.pixels))
@@ -256,15 +302,17 @@ impl System {
                 system.learn(
                     &residual.gradient,
                     residual.sampson_px,
-                    weight / (noise_px * noise_px),
+                    weight * found.independent / (noise_px * noise_px),
                 );
             }
         }
-        let surprise = from_expected(drift, &params.expected);
-        for (i, sigma) in params.expected_sigma.to_array().into_iter().enumerate() {
-            let mut axis = [0.0; 5];
-            axis[i] = 1.0;
-            system.learn(&axis, surprise[i], 1.0 / (sigma * sigma));
+        let surprise = from_expected(drift, &params.expected.drift());
+        let expected = params.expected.information();
+        for i in 0..5 {
+            for j in 0..5 {
+                system.information[i][j] += expected[i][j];
+                system.pull[i] -= expected[i][j] * surprise[j];
+            }
         }
         system
     }
@@ -345,17 +393,6 @@ fn cauchy_weight(deviations: f64) -> f64 {
     1.0 / (1.0 + ratio * ratio)
 }
 
-fn geometry(drift: &RigDrift, rig: &StereoRig) -> EpipolarGeometry {
-    EpipolarGeometry {
-        intrinsics: rig.intrinsics(),
-        rotation: Binocular {
-            left: rig.eyes().left.rotation,
-            right: drift.right_rotation(rig),
-        },
-        baseline: [1.0, drift.down, drift.forward],
-    }
-}
-
 /// The drift after a step whose turn is measured in the axes of the right eye as it now stands.
 fn moved(drift: &RigDrift, [pitch, yaw, roll, down, forward]: [f64; 5]) -> RigDrift {
     let turn = drift
@@ -383,6 +420,31 @@ fn from_expected(drift: &RigDrift, expected: &RigDrift) -> [f64; 5] {
     ]
 }
 
+/// The part of the matches off the plane that most lie on, with the drift corrected.
+fn relief(matches: &[Match], weights: &[f64], drift: &RigDrift, rig: &StereoRig) -> f64 {
+    let eyes = drift.eyes(rig);
+    let (focal_px, _) = rig.intrinsics().left.focal_px;
+    let points: Vec<Relief> = matches
+        .iter()
+        .zip(weights)
+        .filter_map(|(found, &weight)| {
+            let (x, y) = eyes.left.straight(found.pixels.left)?;
+            let rays = Binocular {
+                left: eyes.left.ray(found.pixels.left)?,
+                right: eyes.right.ray(found.pixels.right)?,
+            };
+            let [_, _, depth_m] = eyes.left.coordinates(midpoint(rays)?.position);
+            Some(Relief {
+                x,
+                y,
+                parallax_px: focal_px * rig.baseline_m() / depth_m,
+                weight,
+            })
+        })
+        .collect();
+    off_plane(&points, RelativeOrientation::OFF_PLANE_PX).unwrap_or(0.0)
+}
+
 fn turned_by(drift: &RigDrift) -> f64 {
     let [pitch, yaw, roll, ..] = drift.to_array();
     // The length of the turn; unlike a maximum it lets no NaN pass unseen.
@@ -390,7 +452,7 @@ fn turned_by(drift: &RigDrift) -> f64 {
 }
 
 fn vertical_rms(weights: &[f64], drift: &RigDrift, matches: &[Match], rig: &StereoRig) -> f64 {
-    let geometry = geometry(drift, rig);
+    let geometry = EpipolarGeometry::of(rig, drift);
     let (squares, total) =
         matches
             .iter()

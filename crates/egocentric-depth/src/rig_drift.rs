@@ -81,8 +81,8 @@ impl RigDrift {
                 rotation: self.right_rotation(rig),
                 centre: Position::new(
                     right.centre.x_m,
-                    baseline_m * self.down,
-                    baseline_m * self.forward,
+                    right.centre.y_m + baseline_m * self.down,
+                    right.centre.z_m + baseline_m * self.forward,
                 ),
                 ..right
             },

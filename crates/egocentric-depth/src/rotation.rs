@@ -50,6 +50,48 @@ impl Rotation {
         }
     }
 
+    /// The turn that a matrix is, row by row: its columns are the images of the axes.
+    ///
+    /// Files round their numbers, so a matrix within [`Rotation::MOST_DEFECT`] of a turn is taken
+    /// for the turn nearest to it.
+    ///
+    /// # Errors
+    /// [`NoRotation`] says by how much it is none.
+    pub fn from_matrix(rows: [[f64; 3]; 3]) -> Result<Self, NoRotation> {
+        let defect = defect(&rows);
+        let known = defect <= Self::MOST_DEFECT;
+        if !known {
+            return Err(NoRotation::NotOrthogonal { defect });
+        }
+        let determinant = dot(rows[0], cross(rows[1], rows[2]));
+        if determinant < 0.0 {
+            return Err(NoRotation::Mirror { determinant });
+        }
+        // Already a turn to the last bits: left as it is, so that what is written comes back.
+        if defect < 4.0 * f64::EPSILON {
+            return Ok(Self { rows });
+        }
+        // Each round squares the defect (Newton's method for the nearest orthogonal matrix):
+        // R (3 I - R^T R) / 2.
+        let mut rows = rows;
+        for _ in 0..4 {
+            let columns: [[f64; 3]; 3] =
+                std::array::from_fn(|i| std::array::from_fn(|j| rows[j][i]));
+            let half: [[f64; 3]; 3] = std::array::from_fn(|i| {
+                std::array::from_fn(|j| {
+                    let own = if i == j { 3.0 } else { 0.0 };
+                    (own - dot(columns[i], columns[j])) / 2.0
+                })
+            });
+            // The factor is symmetric, so its rows are its columns.
+            rows = rows.map(|row| half.map(|column| dot(row, column)));
+        }
+        Ok(Self { rows })
+    }
+
+    /// How far `R R^T` may be from the identity in any entry: two digits after the point.
+    pub const MOST_DEFECT: f64 = 1e-2;
+
     /// The axis of the turn times its angle in radians: the inverse of
     /// [`Rotation::from_vector`] for turns of less than half a circle.
     #[must_use]
@@ -67,6 +109,11 @@ impl Rotation {
             sine.atan2(cosine) / sine
         };
         skew.map(|component| component * stretch)
+    }
+
+    /// The turn into a frame whose axes these are: right-handed, of length 1, square to one another.
+    pub(crate) const fn of_axes(axes: [[f64; 3]; 3]) -> Self {
+        Self { rows: axes }
     }
 
     /// The matrix, row by row: the images of the axes are its columns.
@@ -104,6 +151,42 @@ impl Rotation {
             rows: self.rows.map(|row| columns.map(|column| dot(row, column))),
         }
     }
+}
+
+/// Why a matrix turns nothing.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum NoRotation {
+    /// Its rows are not of length 1 and square to one another.
+    #[error(
+        "a matrix whose product with its transpose is {defect:.3e} from the identity is no rotation"
+    )]
+    NotOrthogonal {
+        /// The largest difference of an entry.
+        defect: f64,
+    },
+    /// It mirrors.
+    #[error("a matrix with determinant {determinant:.3} mirrors; a rotation has 1")]
+    Mirror {
+        /// The determinant.
+        determinant: f64,
+    },
+}
+
+/// How far a matrix times its transpose is from the identity, NaN if an entry is no number.
+fn defect(rows: &[[f64; 3]; 3]) -> f64 {
+    let mut most = 0.0f64;
+    for i in 0..3 {
+        for j in 0..3 {
+            let own = if i == j { 1.0 } else { 0.0 };
+            let apart = (dot(rows[i], rows[j]) - own).abs();
+            // A maximum would let a NaN pass unseen.
+            if apart.is_nan() {
+                return apart;
+            }
+            most = apart.max(most);
+        }
+    }
+    most
 }
 
 /// The scalar product.
@@ -161,6 +244,29 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// A matrix written with four digits is the turn it was; others are refused with the number.
+    #[test]
+    fn only_turns_are_taken() {
+        let turn = Rotation::from_vector([0.2, -0.3, 0.1]);
+        let rounded = turn
+            .matrix()
+            .map(|row| row.map(|entry| (entry * 1e4).round() / 1e4));
+        let taken = Rotation::from_matrix(rounded).unwrap();
+        assert!(defect(&taken.matrix()) < 1e-15);
+        let apart = taken.after(&turn.inverse()).to_vector();
+        assert!(dot(apart, apart).sqrt() < 1e-4);
+        assert_eq!(Rotation::from_matrix(taken.matrix()), Ok(taken));
+
+        let mut scaled = turn.matrix();
+        scaled[1] = scaled[1].map(|entry| entry * 1.1);
+        let refused = Rotation::from_matrix(scaled).unwrap_err();
+        assert!(refused.to_string().contains("2.100e-1"), "{refused}");
+        let mirror = Rotation::from_matrix([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]);
+        assert_eq!(mirror, Err(NoRotation::Mirror { determinant: -1.0 }));
+        let nan = Rotation::from_matrix([[1.0, 0.0, 0.0], [0.0, f64::NAN, 0.0], [0.0, 0.0, 1.0]]);
+        assert!(matches!(nan, Err(NoRotation::NotOrthogonal { defect }) if defect.is_nan()));
     }
 
     /// The signs that the documentation promises.

@@ -4,17 +4,16 @@ use v1_gabor::Binocular;
 
 use crate::general_form::{depth_of_tangents, tangent_of_sum};
 use crate::rectified_form::rectified_form;
+use crate::triangulate_rays::rays_where;
 use crate::{DepthMap, StereoRig};
 
 /// Depth of every pixel whose disparity the estimator stands behind; all others are unknown.
 ///
-/// The horizontal shift alone decides: a parallel rig uses `Z = f b / (d + doffs)`, any other the
-/// [`general_form`](crate::general_form()), which is exact for every row of eyes that turn about
-/// the vertical. What would lie at infinity, beyond or behind is unknown. Depths are head-frame z
-/// in metres; the rig's tilt does not enter.
-///
-/// For eyes with pitch, roll or a displaced centre see
-/// [`triangulate_rays`](crate::triangulate_rays()).
+/// For eyes that only pan the horizontal shift alone decides: a parallel rig uses
+/// `Z = f b / (d + doffs)`, a vergent one the [`general_form`](crate::general_form()), which is exact
+/// for every row. Eyes with tilt, torsion, a lens or a displaced centre need both components of the
+/// shift, by [`triangulate_rays`](crate::triangulate_rays()). What would lie at infinity, beyond or
+/// behind is unknown. Depths are head-frame z in metres; the rig's own tilt does not enter.
 #[must_use]
 pub fn triangulate(disparity: &DisparityField, rig: &StereoRig) -> DepthMap {
     depth_where(disparity, rig, Validity::is_valid)
@@ -32,8 +31,11 @@ pub fn triangulate_guesses(disparity: &DisparityField, rig: &StereoRig) -> Depth
 fn depth_where(
     disparity: &DisparityField,
     rig: &StereoRig,
-    trusted: impl Fn(Validity) -> bool,
+    trusted: impl Fn(Validity) -> bool + Sync,
 ) -> DepthMap {
+    if !rig.only_pans() {
+        return rays_where(disparity, &rig.eyes(), trusted).depth;
+    }
     let eyes = rig.intrinsics();
     let focal_px = eyes.map(|eye| eye.focal_px.0);
     let centre_px = eyes.map(|eye| eye.principal_point_px.0);

@@ -1,4 +1,4 @@
-use disparity_pyramid::DisparityField;
+use disparity_pyramid::{DisparityField, Validity};
 use ndarray::{Array2, Zip};
 use v1_gabor::Binocular;
 
@@ -24,6 +24,15 @@ pub struct RayTriangulation {
 /// are those of [`triangulate`](crate::triangulate()) as far as the lines of sight meet.
 #[must_use]
 pub fn triangulate_rays(disparity: &DisparityField, eyes: &Binocular<Eye>) -> RayTriangulation {
+    rays_where(disparity, eyes, Validity::is_valid)
+}
+
+/// The same where a validity is trusted.
+pub(crate) fn rays_where(
+    disparity: &DisparityField,
+    eyes: &Binocular<Eye>,
+    trusted: impl Fn(Validity) -> bool + Sync,
+) -> RayTriangulation {
     let mut depth = Array2::from_elem(disparity.size().dim(), f32::NAN);
     let mut gap_m = depth.clone();
     Zip::indexed(disparity.dx())
@@ -31,16 +40,18 @@ pub fn triangulate_rays(disparity: &DisparityField, eyes: &Binocular<Eye>) -> Ra
         .and(disparity.validity())
         .and(&mut depth)
         .and(&mut gap_m)
-        .for_each(|(y, x), &dx, &dy, validity, depth, gap_m| {
-            if !validity.is_valid() {
+        .par_for_each(|(y, x), &dx, &dy, &validity, depth, gap_m| {
+            if !trusted(validity) {
                 return;
             }
             let (u, v) = (x as f64, y as f64);
-            let rays = Binocular {
-                left: eyes.left.ray((u, v)),
-                right: eyes.right.ray((u + f64::from(dx), v + f64::from(dy))),
+            let right = (u + f64::from(dx), v + f64::from(dy));
+            let rays = (eyes.left.ray((u, v)), eyes.right.ray(right));
+            let (Some(left), Some(right)) = rays else {
+                return;
             };
-            if let Some(found) = midpoint(rays).filter(|found| found.position.z_m > 0.0) {
+            let found = midpoint(Binocular { left, right });
+            if let Some(found) = found.filter(|found| found.position.z_m > 0.0) {
                 *depth = found.position.z_m as f32;
                 *gap_m = found.gap_m as f32;
             }

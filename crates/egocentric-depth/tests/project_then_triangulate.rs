@@ -61,8 +61,8 @@ proptest! {
         let Some(pixels) = rig.project(point) else { return Ok(()) };
         let eyes = rig.eyes();
         let found = midpoint(Binocular {
-            left: eyes.left.ray(pixels.left),
-            right: eyes.right.ray(pixels.right),
+            left: eyes.left.ray(pixels.left).expect("a pinhole sees it"),
+            right: eyes.right.ray(pixels.right).expect("a pinhole sees it"),
         }).expect("the lines of sight of a point meet");
         // The angle between the lines is at least 0.05 / 8 / (1 + 0.5^2) and enters squared.
         for (sent, got) in point.to_array().iter().zip(found.position.to_array()) {

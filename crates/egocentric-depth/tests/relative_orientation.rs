@@ -1,8 +1,8 @@
 //! A drift put into a synthetic rig is found again in its vector disparities.
 use disparity_pyramid::{DisparityField, Validity};
 use egocentric_depth::{
-    CameraIntrinsics, NoOrientation, OrientationParams, RelativeOrientation, RigDrift, StereoRig,
-    relative_orientation, triangulate_rays,
+    Attitude, CameraIntrinsics, DriftBelief, Lens, NoOrientation, OrientationParams,
+    RelativeOrientation, RigDrift, StereoRig, relative_orientation, triangulate, triangulate_rays,
 };
 use ndarray::Array2;
 use v1_gabor::{Binocular, Size};
@@ -26,6 +26,13 @@ fn rig(pan_rad: f64) -> StereoRig {
         right: -pan_rad,
     };
     StereoRig::vergent(eyes, 0.27, pans).expect("the rig sees depth")
+}
+
+/// Nothing is expected.
+fn open() -> OrientationParams {
+    let nothing = RigDrift::from_array([f64::INFINITY; 5]);
+    let belief = DriftBelief::new(RigDrift::default(), &nothing).expect("a sigma is positive");
+    OrientationParams::expecting(belief)
 }
 
 /// A wall square to the head.
@@ -117,10 +124,7 @@ fn a_perfect_deep_scene_tells_all_five_numbers() {
     for pan_rad in [0.0, 0.08] {
         let rig = rig(pan_rad);
         let seen = see(&rig, &slipped(), deep, 0.0, 0.0);
-        let params = OrientationParams {
-            expected_sigma: RigDrift::from_array([f64::INFINITY; 5]),
-            ..OrientationParams::default()
-        };
+        let params = open();
         let found = relative_orientation(&seen, &rig, &params).unwrap();
         assert!(found.settled, "after {} rounds", found.rounds);
         for (got, truth) in found.drift.to_array().into_iter().zip(slipped().to_array()) {
@@ -176,10 +180,7 @@ fn no_drift_is_no_drift() {
 fn the_corrected_eyes_see_the_true_depth() {
     let rig = rig(0.05);
     let seen = see(&rig, &slipped(), deep, 0.0, 0.0);
-    let params = OrientationParams {
-        expected_sigma: RigDrift::from_array([f64::INFINITY; 5]),
-        ..OrientationParams::default()
-    };
+    let params = open();
     let found = relative_orientation(&seen, &rig, &params).unwrap();
     let corrected = triangulate_rays(&seen, &found.drift.eyes(&rig));
     let nominal = triangulate_rays(&seen, &rig.eyes());
@@ -201,11 +202,9 @@ fn the_corrected_eyes_see_the_true_depth() {
 fn what_was_expected_stands_where_images_are_silent() {
     let rig = rig(0.0);
     let seen = see(&rig, &slipped(), wall, 0.3, 0.0);
-    let params = OrientationParams {
-        expected: slipped(),
-        expected_sigma: RigDrift::from_array([1e-5; 5]),
-        ..OrientationParams::default()
-    };
+    let sure = RigDrift::from_array([1e-5; 5]);
+    let expected = DriftBelief::new(slipped(), &sure).expect("a sigma is positive");
+    let params = OrientationParams::expecting(expected);
     let found = relative_orientation(&seen, &rig, &params).unwrap();
     for (got, truth) in found.drift.to_array().into_iter().zip(slipped().to_array()) {
         assert!((got - truth).abs() < 4e-5);
@@ -263,10 +262,7 @@ fn poor_matches_are_refused() {
             .to_owned(),
     )
     .unwrap();
-    let open = OrientationParams {
-        expected_sigma: RigDrift::from_array([f64::INFINITY; 5]),
-        ..params
-    };
+    let open = open();
     let refused = relative_orientation(&spot, &rig, &open);
     assert!(
         matches!(
@@ -275,15 +271,91 @@ fn poor_matches_are_refused() {
         ),
         "{refused:?}"
     );
-    let pointless = OrientationParams {
-        expected_sigma: RigDrift::default(),
-        ..params
+}
+
+/// A wall is told for what it is, and what it leaves open stays as expected; a deep scene has relief.
+#[test]
+fn a_single_plane_is_reported() {
+    let rig = rig(0.0);
+    let params = OrientationParams::default();
+    let of_wall = see(&rig, &slipped(), wall, 0.3, 0.0);
+    let found = relative_orientation(&of_wall, &rig, &params).unwrap();
+    assert!(found.is_one_plane(), "{}", found.relief);
+    // Pitch and roll are open beforehand, so images alone can tell them.
+    assert_eq!((found.told[0], found.told[2]), (true, true));
+    let of_depth = see(&rig, &slipped(), deep, 0.3, 0.0);
+    let found = relative_orientation(&of_depth, &rig, &params).unwrap();
+    assert!(!found.is_one_plane(), "{}", found.relief);
+}
+
+/// Look after look the belief narrows, and stays about the truth; ageing keeps it open to change.
+#[test]
+fn looks_add_up() {
+    let rig = rig(0.04);
+    let mut params = OrientationParams::default();
+    let mut errors = Vec::new();
+    for look in 0..4 {
+        let noise_px = 0.2 + 0.01 * f64::from(look);
+        let seen = see(&rig, &slipped(), deep, noise_px, 0.05);
+        let found = relative_orientation(&seen, &rig, &params).unwrap();
+        assert_within_errors(&found, &slipped(), 5.0);
+        errors.push(found.standard_error.yaw_rad);
+        params.expected = found.belief;
+    }
+    // Four looks of one kind halve an error that is not the prior's.
+    assert!(errors[3] < 0.6 * errors[0], "{errors:?}");
+    let slipping = RigDrift {
+        yaw_rad: 0.01,
+        ..RigDrift::default()
     };
-    assert!(matches!(
-        relative_orientation(&seen, &rig, &pointless),
-        Err(NoOrientation::Prior {
-            parameter: "pitch",
-            ..
-        })
-    ));
+    assert!(params.expected.aged(&slipping).sigma().yaw_rad > 0.01);
+}
+
+/// A head with tilt, torsion and lenses drifts too, and the corrected rig sees what is there.
+#[test]
+fn any_rig_is_corrected() {
+    let eye = CameraIntrinsics {
+        focal_px: (400.0, 402.0),
+        principal_point_px: (216.5, 191.0),
+    };
+    let aimed = |pan_rad, tilt_rad, torsion_rad| Attitude {
+        pan_rad,
+        tilt_rad,
+        torsion_rad,
+    };
+    let barrel = Lens::BrownConrady([-0.2, 0.05, 0.001, -0.001, 0.0, 0.0, 0.0, 0.0]);
+    let rig = StereoRig::aimed(
+        Binocular {
+            left: eye,
+            right: eye,
+        },
+        0.27,
+        Binocular {
+            left: aimed(0.06, 0.01, 0.02),
+            right: aimed(-0.04, -0.01, -0.01),
+        },
+    )
+    .unwrap()
+    .with_lenses(Binocular {
+        left: barrel,
+        right: barrel,
+    })
+    .unwrap();
+    let seen = see(&rig, &slipped(), deep, 0.0, 0.0);
+    let found = relative_orientation(&seen, &rig, &open()).unwrap();
+    let fixed = rig.drifted(&found.drift).unwrap();
+    let depth = triangulate(&seen, &fixed);
+    for (x, y) in [(50, 60), (217, 191), (400, 350)] {
+        let metres = f64::from(depth.at(x, y).unwrap());
+        assert!(
+            (metres - deep(x, y)).abs() < 5e-4,
+            "{metres} for {}",
+            deep(x, y)
+        );
+    }
+    // The corrected rig is aligned with what it sees.
+    let again = relative_orientation(&seen, &fixed, &open()).unwrap();
+    for number in again.drift.to_array() {
+        assert!(number.abs() < 1e-6, "{number}");
+    }
 }

@@ -34,11 +34,13 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod camera_matrix;
 mod file;
 mod raster;
 mod tiff_directory;
 mod toml_text;
 mod vector_planes;
+mod yaml_text;
 
 pub mod colour;
 pub mod contact_sheet;
@@ -47,6 +49,7 @@ pub mod file_sign;
 pub mod flo;
 pub mod flow_picture;
 pub mod hue;
+pub mod kalibr;
 pub mod kitti_png;
 pub mod label_png;
 pub mod label_polygons;
@@ -55,11 +58,13 @@ pub mod middlebury_calib;
 pub mod middlebury_png;
 pub mod names;
 pub mod npy;
+pub mod opencv_storage;
 pub mod pfm;
 pub mod picture;
 pub mod ply;
 pub mod points;
 pub mod rig_toml;
+pub mod ros_camera_info;
 pub mod scale_bar;
 pub mod scene_folder;
 pub mod scene_toml;
@@ -70,3 +75,4 @@ pub use file::{LONGEST_FILE, Unreadable, Unwritable, replace};
 pub use raster::{MOST_PIXELS, NotAPicture, NotAPng};
 pub use toml_text::NotToml;
 pub use vector_planes::{NotVectors, VectorPlanes};
+pub use yaml_text::NotYaml;

@@ -6,7 +6,8 @@ use std::path::Path;
 use egocentric_depth::{BadRig, CameraIntrinsics, StereoRig};
 use v1_gabor::{Binocular, Size};
 
-use crate::file::{self, Unreadable};
+use crate::camera_matrix;
+use crate::file::{self, Unreadable, Unwritable};
 use crate::rig_toml::SAME_OFFSET_PX;
 use crate::toml_text::{self, NotToml};
 
@@ -110,17 +111,14 @@ impl Values<'_> {
                 let words = words.filter(|word| !word.is_empty()).take(10);
                 words.map(|word| word.parse().ok()).collect()
             });
-        match numbers.as_deref() {
-            Some(&[fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0]) => Ok(CameraIntrinsics {
-                focal_px: (fx, fy),
-                principal_point_px: (cx, cy),
-            }),
-            _ => Err(wrong(
+        let camera = numbers.as_deref().and_then(camera_matrix::camera);
+        camera.ok_or_else(|| {
+            wrong(
                 key,
                 value,
                 "a camera without skew, [f 0 cx; 0 f cy; 0 0 1],",
-            )),
-        }
+            )
+        })
     }
 }
 
@@ -130,6 +128,71 @@ fn wrong(key: &'static str, value: &str, wanted: &'static str) -> NotCalib {
         value: value.chars().take(60).collect(),
         wanted,
     }
+}
+
+/// Why a rig goes into no `calib.txt`.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum NotRectified {
+    /// Its eyes are not parallel pinholes.
+    #[error(
+        "a calib.txt holds parallel pinholes of one focal length; rectify the pair first, or write \
+         another format"
+    )]
+    Rig,
+    /// It does not say how large its pictures are.
+    #[error("the rig does not say how large its pictures are: give size_px, or --size")]
+    Size,
+}
+
+/// The `calib.txt` of a parallel rig, lengths in millimetres.
+///
+/// # Errors
+/// [`NotRectified`] if the rig is none of these.
+pub fn encode(rig: &StereoRig, size: Option<Size>) -> Result<Vec<u8>, NotRectified> {
+    let Binocular { left, right } = rig.intrinsics();
+    let parallel = rig.only_pans() && rig.pan_rad().left == 0.0 && rig.pan_rad().right == 0.0;
+    let alike =
+        left.focal_px == right.focal_px && left.principal_point_px.1 == right.principal_point_px.1;
+    if !(parallel && alike) {
+        return Err(NotRectified::Rig);
+    }
+    let size = size.ok_or(NotRectified::Size)?;
+    let camera = |camera: CameraIntrinsics| {
+        let ((fx, fy), (cx, cy)) = (camera.focal_px, camera.principal_point_px);
+        format!("[{fx} 0 {cx}; 0 {fy} {cy}; 0 0 1]")
+    };
+    let text = format!(
+        "cam0={}\ncam1={}\ndoffs={}\nbaseline={}\nwidth={}\nheight={}\n",
+        camera(left),
+        camera(right),
+        right.principal_point_px.0 - left.principal_point_px.0,
+        millimetres(rig.baseline_m()),
+        size.width,
+        size.height
+    );
+    Ok(text.into_bytes())
+}
+
+/// The number of millimetres that is read back as exactly these metres, if one of the nearest three
+/// is.
+fn millimetres(metres: f64) -> f64 {
+    let nearest = metres * 1000.0;
+    [nearest, nearest.next_down(), nearest.next_up()]
+        .into_iter()
+        .find(|millimetres| millimetres / 1000.0 == metres)
+        .unwrap_or(nearest)
+}
+
+/// Writes a `calib.txt`, whole or not at all; see [`encode`].
+///
+/// # Errors
+/// [`Unwritable`] names the file and what stood in the way.
+pub fn write(
+    path: impl AsRef<Path>,
+    rig: &StereoRig,
+    size: Option<Size>,
+) -> Result<(), Unwritable<NotRectified>> {
+    file::write(path.as_ref(), encode(rig, size))
 }
 
 /// Reads a `calib.txt`; see [`decode`].

@@ -10,12 +10,16 @@ use crate::file::{self, Unwritable};
 pub struct CloudPoint {
     /// Where it is: x right, y down, z forward, in metres.
     pub position_m: [f32; 3],
+    /// The direction its surface faces, of length 1; zeros if it is unknown, as viewers have it.
+    pub normal: [f32; 3],
+    /// One standard deviation of its depth, in metres; infinite if nothing is known of it.
+    pub sigma_m: f32,
     /// Red, green and blue, from 0 to 255.
     pub rgb: [u8; 3],
 }
 
-/// Bytes of one point: three floats, three colours.
-const POINT: usize = 15;
+/// Bytes of one point: seven floats, three colours.
+const POINT: usize = 31;
 
 /// The PLY file of a cloud, readable by MeshLab, CloudCompare, Open3D and their like.
 ///
@@ -26,11 +30,15 @@ pub fn encode(cloud: &[CloudPoint]) -> Vec<u8> {
     let mut bytes = format!(
         "ply\n\
          format binary_little_endian 1.0\n\
-         comment metres; x right, y down, z forward\n\
+         comment metres; x right, y down, z forward; sigma of depth\n\
          element vertex {}\n\
          property float x\n\
          property float y\n\
          property float z\n\
+         property float nx\n\
+         property float ny\n\
+         property float nz\n\
+         property float sigma\n\
          property uchar red\n\
          property uchar green\n\
          property uchar blue\n\
@@ -40,8 +48,9 @@ pub fn encode(cloud: &[CloudPoint]) -> Vec<u8> {
     .into_bytes();
     bytes.reserve_exact(POINT * cloud.len());
     for point in cloud {
-        for coordinate in point.position_m {
-            bytes.extend(coordinate.to_le_bytes());
+        let numbers = point.position_m.into_iter().chain(point.normal);
+        for number in numbers.chain([point.sigma_m]) {
+            bytes.extend(number.to_le_bytes());
         }
         bytes.extend(point.rgb);
     }
@@ -65,10 +74,14 @@ mod tests {
         let cloud = [
             CloudPoint {
                 position_m: [1.0, -2.0, 3.5],
+                normal: [0.0, 0.6, -0.8],
+                sigma_m: 0.01,
                 rgb: [1, 2, 3],
             },
             CloudPoint {
                 position_m: [0.0, 0.25, 9.0],
+                normal: [0.0; 3],
+                sigma_m: f32::INFINITY,
                 rgb: [255, 0, 7],
             },
         ];
@@ -89,7 +102,9 @@ mod tests {
         for (point, want) in points.iter().zip(cloud) {
             let (numbers, rgb) = point.as_chunks::<4>();
             let numbers: Vec<f32> = numbers.iter().map(|n| f32::from_le_bytes(*n)).collect();
-            assert_eq!(numbers, want.position_m);
+            assert_eq!(numbers[..3], want.position_m);
+            assert_eq!(numbers[3..6], want.normal);
+            assert_eq!(numbers[6], want.sigma_m);
             assert_eq!(rgb, want.rgb);
         }
     }

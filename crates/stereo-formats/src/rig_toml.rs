@@ -13,12 +13,35 @@
 //! [right]                                 # what is left out is as in [left]
 //! focal_px = 994.978
 //! ```
+//!
+//! A measured rig says of each eye which way it looks, instead of the pans above, and what its lens
+//! bends; a calibrated one says how well it is known:
+//!
+//! ```toml
+//! baseline_m = 0.12
+//! size_px = [640, 480]                    # of the pictures it belongs to
+//! slip = [0.001, -0.002]                  # of the right eye: down and forward, in baselines
+//!
+//! [left]
+//! focal_px = [532.8, 532.9]
+//! principal_point_px = [342.5, 233.9]
+//! pan_deg = 0.2                           # toward +x; tilt_deg is up, torsion_deg clockwise
+//! distortion = [-0.28, 0.03, 0.0, 0.0, 0.16]   # k1 k2 p1 p2 k3 [k4 k5 k6]; or fisheye = [4 terms]
+//!
+//! [right]
+//! tilt_deg = 0.4
+//! torsion_deg = -0.2
+//!
+//! [sigma]                                 # one standard deviation of the right eye's pose
+//! pitch_deg = 0.01
+//! yaw_deg = 0.2
+//! ```
 
 use std::path::Path;
 
-use egocentric_depth::{BadRig, CameraIntrinsics, StereoRig};
+use egocentric_depth::{Attitude, BadRig, CameraIntrinsics, Lens, RigDrift, StereoRig};
 use serde::{Deserialize, Serialize};
-use v1_gabor::Binocular;
+use v1_gabor::{Binocular, Size};
 
 use crate::file::{self, Unreadable, Unwritable};
 use crate::toml_text::{self, NotToml};
@@ -58,15 +81,36 @@ pub enum NotARig {
         /// `cx_right - cx_left` of the principal points, in pixels.
         apart_px: f64,
     },
+    /// A lens of no known model.
+    #[error(
+        "{eye} has {terms} of a lens; distortion has 4, 5 or 8 numbers and fisheye 4, not both"
+    )]
+    Lens {
+        /// The table it stands in.
+        eye: &'static str,
+        /// What is there.
+        terms: String,
+    },
     /// The numbers describe no rig.
     #[error(transparent)]
     Rig(#[from] BadRig),
+}
+
+/// A rig and the size of the pictures that its pixels are counted in, if it is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SizedRig {
+    /// The rig.
+    pub rig: StereoRig,
+    /// Width and height of either picture.
+    pub size: Option<Size>,
 }
 
 #[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 struct Text {
     baseline_m: f64,
+    size_px: Option<[usize; 2]>,
+    slip: Option<[f64; 2]>,
     doffs_px: Option<f64>,
     pan_left_deg: Option<f64>,
     pan_right_deg: Option<f64>,
@@ -74,6 +118,18 @@ struct Text {
     tilt_deg: Option<f64>,
     left: LeftEye,
     right: Option<RightEye>,
+    sigma: Option<SigmaText>,
+}
+
+/// One standard deviation of each number of the right eye's pose; what is left out is exact.
+#[derive(Default, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+struct SigmaText {
+    pitch_deg: f64,
+    yaw_deg: f64,
+    roll_deg: f64,
+    down: f64,
+    forward: f64,
 }
 
 #[derive(Deserialize, Serialize)]
@@ -81,6 +137,11 @@ struct Text {
 struct LeftEye {
     focal_px: Focal,
     principal_point_px: [f64; 2],
+    pan_deg: Option<f64>,
+    tilt_deg: Option<f64>,
+    torsion_deg: Option<f64>,
+    distortion: Option<Vec<f64>>,
+    fisheye: Option<Vec<f64>>,
 }
 
 #[derive(Default, Deserialize, Serialize)]
@@ -88,6 +149,11 @@ struct LeftEye {
 struct RightEye {
     focal_px: Option<Focal>,
     principal_point_px: Option<[f64; 2]>,
+    pan_deg: Option<f64>,
+    tilt_deg: Option<f64>,
+    torsion_deg: Option<f64>,
+    distortion: Option<Vec<f64>>,
+    fisheye: Option<Vec<f64>>,
 }
 
 #[derive(Clone, Copy, Deserialize, Serialize)]
@@ -122,10 +188,25 @@ impl Focal {
 /// # Errors
 /// [`NotARig`] says what is missing, unknown, contradictory or impossible.
 pub fn decode(bytes: &[u8]) -> Result<StereoRig, NotARig> {
+    Ok(decode_sized(bytes)?.rig)
+}
+
+/// Decodes a rig and the size of its pictures, if it says one.
+///
+/// # Errors
+/// [`NotARig`] says what is missing, unknown, contradictory or impossible.
+pub fn decode_sized(bytes: &[u8]) -> Result<SizedRig, NotARig> {
     let text: Text = toml_text::decode(bytes)?;
+    let own = text.attitudes();
     let pan_rad = pans(&text)?;
-    if text.doffs_px.is_some() && (pan_rad.left != 0.0 || pan_rad.right != 0.0) {
+    let turned = own.is_some() || pan_rad.left != 0.0 || pan_rad.right != 0.0;
+    if text.doffs_px.is_some() && turned {
         return Err(NotARig::TurnedOffset);
+    }
+    if own.is_some() && (text.vergence_deg.is_some() || text.pan_left_deg.is_some()) {
+        return Err(NotARig::TwoAngles(
+            "pan_deg, tilt_deg or torsion_deg of an eye",
+        ));
     }
 
     let [cx, cy] = text.left.principal_point_px;
@@ -133,7 +214,9 @@ pub fn decode(bytes: &[u8]) -> Result<StereoRig, NotARig> {
         focal_px: text.left.focal_px.lengths(),
         principal_point_px: (cx, cy),
     };
+    let left_lens = lens("[left]", &text.left.distortion, &text.left.fisheye)?;
     let right_eye = text.right.unwrap_or_default();
+    let right_lens = lens("[right]", &right_eye.distortion, &right_eye.fisheye)?;
     let right_point = match (right_eye.principal_point_px, text.doffs_px) {
         (None, doffs_px) => (cx + doffs_px.unwrap_or(0.0), cy),
         (Some([right_cx, right_cy]), doffs_px) => {
@@ -149,8 +232,94 @@ pub fn decode(bytes: &[u8]) -> Result<StereoRig, NotARig> {
         focal_px: right_eye.focal_px.map_or(left.focal_px, Focal::lengths),
         principal_point_px: right_point,
     };
-    let rig = StereoRig::vergent(Binocular { left, right }, text.baseline_m, pan_rad)?;
-    Ok(rig.tilted(text.tilt_deg.unwrap_or(0.0).to_radians())?)
+    let eyes = Binocular { left, right };
+    let rig = match own {
+        Some(attitude) => StereoRig::aimed(eyes, text.baseline_m, attitude)?,
+        None => StereoRig::vergent(eyes, text.baseline_m, pan_rad)?,
+    };
+    let [down, forward] = text.slip.unwrap_or_default();
+    let sigma = text.sigma.unwrap_or_default();
+    let left_lens = left_lens.unwrap_or_default();
+    Ok(SizedRig {
+        rig: rig
+            .tilted(text.tilt_deg.unwrap_or(0.0).to_radians())?
+            .slipped((down, forward))?
+            .with_lenses(Binocular {
+                left: left_lens,
+                right: right_lens.unwrap_or(left_lens),
+            })?
+            .with_sigma(RigDrift {
+                pitch_rad: sigma.pitch_deg.to_radians(),
+                yaw_rad: sigma.yaw_deg.to_radians(),
+                roll_rad: sigma.roll_deg.to_radians(),
+                down: sigma.down,
+                forward: sigma.forward,
+            })?,
+        size: text.size_px.map(|[width, height]| Size { width, height }),
+    })
+}
+
+impl Text {
+    /// Which way the eyes look, if a table of either says so.
+    fn attitudes(&self) -> Option<Binocular<Attitude>> {
+        let attitude = |degrees: [Option<f64>; 3]| {
+            let [pan_rad, tilt_rad, torsion_rad] =
+                degrees.map(|degrees| degrees.unwrap_or(0.0).to_radians());
+            Attitude {
+                pan_rad,
+                tilt_rad,
+                torsion_rad,
+            }
+        };
+        let left = [self.left.pan_deg, self.left.tilt_deg, self.left.torsion_deg];
+        let right = self.right.as_ref().map_or([None; 3], |right| {
+            [right.pan_deg, right.tilt_deg, right.torsion_deg]
+        });
+        let said = left.iter().chain(&right).any(Option::is_some);
+        said.then(|| Binocular {
+            left: attitude(left),
+            right: attitude(right),
+        })
+    }
+}
+
+/// The lens that an eye's table tells of; `None` if it tells of none.
+fn lens(
+    eye: &'static str,
+    distortion: &Option<Vec<f64>>,
+    fisheye: &Option<Vec<f64>>,
+) -> Result<Option<Lens>, NotARig> {
+    let no_lens = |terms: String| Err(NotARig::Lens { eye, terms });
+    match (distortion.as_deref(), fisheye.as_deref()) {
+        (None, None) => Ok(None),
+        (Some(_), Some(_)) => no_lens("both models".to_owned()),
+        (Some(terms), None) => match brown_conrady(terms) {
+            Some(lens) => Ok(Some(lens)),
+            None => no_lens(format!("{} terms", terms.len())),
+        },
+        (None, Some(&[k1, k2, k3, k4])) => Ok(Some(Lens::Fisheye([k1, k2, k3, k4]))),
+        (None, Some(terms)) => no_lens(format!("{} fisheye terms", terms.len())),
+    }
+}
+
+/// A lens of Brown and Conrady by its terms in the order of OpenCV: none, 4, 5 or 8 of them; no
+/// other number has a meaning here.
+pub(crate) fn brown_conrady(terms: &[f64]) -> Option<Lens> {
+    let mut all = [0.0; 8];
+    match terms.len() {
+        0 => return Some(Lens::Pinhole),
+        4 | 5 | 8 => all[..terms.len()].copy_from_slice(terms),
+        _ => return None,
+    }
+    Some(Lens::BrownConrady(all))
+}
+
+/// The terms of a lens in the order of OpenCV, as few as tell it.
+pub(crate) fn brown_conrady_terms(terms: &[f64; 8]) -> &[f64] {
+    match terms {
+        [.., 0.0, 0.0, 0.0] => &terms[..5],
+        _ => terms,
+    }
 }
 
 /// The pan of each eye, in radians; a vergence is shared evenly, as by eyes that look straight on.
@@ -196,25 +365,72 @@ pub fn read(path: impl AsRef<Path>) -> Result<StereoRig, Unreadable<NotARig>> {
 /// # Errors
 /// [`NotARig::Toml`] if the text cannot be made, which no rig is known to cause.
 pub fn encode(rig: &StereoRig) -> Result<Vec<u8>, NotARig> {
+    encode_sized(&SizedRig {
+        rig: *rig,
+        size: None,
+    })
+}
+
+/// The TOML text of a rig and the size of its pictures; see [`encode`].
+///
+/// # Errors
+/// [`NotARig::Toml`] if the text cannot be made, which no rig is known to cause.
+pub fn encode_sized(SizedRig { rig, size }: &SizedRig) -> Result<Vec<u8>, NotARig> {
     let Binocular { left, right } = rig.intrinsics();
     let point = |eye: CameraIntrinsics| [eye.principal_point_px.0, eye.principal_point_px.1];
-    let pan_rad = rig.pan_rad();
-    let turned = |rad: f64, any: bool| any.then(|| rad.to_degrees());
-    let panned = pan_rad.left != 0.0 || pan_rad.right != 0.0;
+    let attitude = rig.attitude();
+    // What a commanded head may be is written as one; all else as it was measured.
+    let twists = |eye: Attitude| eye.tilt_rad != 0.0 || eye.torsion_rad != 0.0;
+    let measured = twists(attitude.left) || twists(attitude.right) || rig.vergence_rad() < 0.0;
+    let panned = attitude.left.pan_rad != 0.0 || attitude.right.pan_rad != 0.0;
+    let angle = |rad: f64, said: bool| said.then(|| rad.to_degrees());
+    let own = |rad: f64| angle(rad, measured && rad != 0.0);
+    let lenses = rig.lenses();
+    let bends = lenses.left != Lens::Pinhole || lenses.right != Lens::Pinhole;
+    let distortion = |lens: Lens| match lens {
+        Lens::Pinhole => bends.then(Vec::new),
+        Lens::BrownConrady(terms) => Some(brown_conrady_terms(&terms).to_vec()),
+        Lens::Fisheye(_) => None,
+    };
+    let fisheye = |lens: Lens| match lens {
+        Lens::Fisheye(terms) => Some(terms.to_vec()),
+        _ => None,
+    };
+    let sigma = rig.sigma();
+    let [pitch, yaw, roll, ..] = sigma.to_array().map(f64::to_degrees);
     Ok(toml_text::encode(&Text {
         baseline_m: rig.baseline_m(),
+        size_px: size.map(|size| [size.width, size.height]),
+        slip: (rig.slip() != (0.0, 0.0)).then(|| [rig.slip().0, rig.slip().1]),
         doffs_px: None,
-        pan_left_deg: turned(pan_rad.left, panned),
-        pan_right_deg: turned(pan_rad.right, panned),
+        pan_left_deg: angle(attitude.left.pan_rad, panned && !measured),
+        pan_right_deg: angle(attitude.right.pan_rad, panned && !measured),
         vergence_deg: None,
-        tilt_deg: turned(rig.tilt_rad(), rig.tilt_rad() != 0.0),
+        tilt_deg: angle(rig.tilt_rad(), rig.tilt_rad() != 0.0),
         left: LeftEye {
             focal_px: Focal::of(left.focal_px),
             principal_point_px: point(left),
+            pan_deg: own(attitude.left.pan_rad),
+            tilt_deg: own(attitude.left.tilt_rad),
+            torsion_deg: own(attitude.left.torsion_rad),
+            distortion: distortion(lenses.left),
+            fisheye: fisheye(lenses.left),
         },
         right: Some(RightEye {
             focal_px: Some(Focal::of(right.focal_px)),
             principal_point_px: Some(point(right)),
+            pan_deg: own(attitude.right.pan_rad),
+            tilt_deg: own(attitude.right.tilt_rad),
+            torsion_deg: own(attitude.right.torsion_rad),
+            distortion: distortion(lenses.right),
+            fisheye: fisheye(lenses.right),
+        }),
+        sigma: (sigma != RigDrift::default()).then_some(SigmaText {
+            pitch_deg: pitch,
+            yaw_deg: yaw,
+            roll_deg: roll,
+            down: sigma.down,
+            forward: sigma.forward,
         }),
     })?)
 }
@@ -225,6 +441,22 @@ pub fn encode(rig: &StereoRig) -> Result<Vec<u8>, NotARig> {
 /// [`Unwritable`] names the file and what stood in the way.
 pub fn write(path: impl AsRef<Path>, rig: &StereoRig) -> Result<(), Unwritable<NotARig>> {
     file::write(path.as_ref(), encode(rig))
+}
+
+/// Writes a rig and the size of its pictures, whole or not at all; see [`encode_sized`].
+///
+/// # Errors
+/// [`Unwritable`] names the file and what stood in the way.
+pub fn write_sized(path: impl AsRef<Path>, rig: &SizedRig) -> Result<(), Unwritable<NotARig>> {
+    file::write(path.as_ref(), encode_sized(rig))
+}
+
+/// Reads a rig and the size of its pictures; see [`decode_sized`].
+///
+/// # Errors
+/// [`Unreadable`] names the file and what is wrong with it.
+pub fn read_sized(path: impl AsRef<Path>) -> Result<SizedRig, Unreadable<NotARig>> {
+    file::read(path.as_ref(), decode_sized)
 }
 
 #[cfg(test)]
@@ -292,6 +524,37 @@ mod tests {
         );
         let parting = of("pan_left_deg = -1\npan_right_deg = 1", "");
         assert!(matches!(parting, Err(NotARig::Rig(BadRig::Vergence(_)))));
+    }
+
+    #[test]
+    fn a_measured_rig_may_part_and_bend() {
+        let eyes = "[right]\npan_deg = 0.5\ntorsion_deg = -1\nfisheye = [0.1, 0, 0, 0]\n\
+                    [sigma]\nyaw_deg = 0.2\n";
+        let rig = of("slip = [0.01, 0.0]", eyes).unwrap();
+        assert!((rig.vergence_rad() + 0.5f64.to_radians()).abs() < 1e-15);
+        assert_eq!(rig.lenses().right, Lens::Fisheye([0.1, 0.0, 0.0, 0.0]));
+        assert_eq!(
+            (rig.lenses().left, rig.slip()),
+            (Lens::Pinhole, (0.01, 0.0))
+        );
+        assert!((rig.sigma().yaw_rad - 0.2f64.to_radians()).abs() < 1e-15);
+        assert_eq!(decode(&encode(&rig).unwrap()), Ok(rig));
+        assert!(matches!(
+            of("vergence_deg = 3", "[right]\npan_deg = 0.5\n"),
+            Err(NotARig::TwoAngles(_))
+        ));
+        assert!(matches!(
+            of("", "[right]\ndistortion = [1, 2, 3]\n"),
+            Err(NotARig::Lens { eye: "[right]", .. })
+        ));
+        assert!(matches!(
+            of("", "[right]\npan_deg = 6\n"),
+            Err(NotARig::Rig(BadRig::Vergence(_)))
+        ));
+        assert!(matches!(
+            of("", "[right]\ndistortion = [nan, 0, 0, 0, 0]\n"),
+            Err(NotARig::Rig(BadRig::Lens(_)))
+        ));
     }
 
     #[test]

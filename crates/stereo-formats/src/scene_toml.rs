@@ -4,6 +4,7 @@ use egocentric_depth::{BadRig, CameraIntrinsics, StereoRig};
 use serde::Deserialize;
 use v1_gabor::{Binocular, Size};
 
+use crate::camera_matrix;
 use crate::middlebury_png::{BadScale, GreyScale};
 use crate::toml_text::{self, NotToml};
 
@@ -314,13 +315,8 @@ impl StereoText {
 }
 
 fn camera(key: &'static str, k: Option<[f64; 9]>) -> Result<CameraIntrinsics, NotAScene> {
-    match k {
-        Some([fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0]) => Ok(CameraIntrinsics {
-            focal_px: (fx, fy),
-            principal_point_px: (cx, cy),
-        }),
-        _ => Err(NotAScene::Camera(key)),
-    }
+    let camera = k.and_then(|k| camera_matrix::camera(&k));
+    camera.ok_or(NotAScene::Camera(key))
 }
 
 /// A file name without a way out of the folder.

@@ -10,8 +10,9 @@ use num_complex::Complex32;
 use proptest::prelude::*;
 use stereo_formats::middlebury_png::GreyScale;
 use stereo_formats::{
-    VectorPlanes, depth_png, flo, kitti_png, label_png, label_polygons, mask_png, middlebury_calib,
-    names, npy, pfm, picture, points, rig_toml, scene_toml, validity_png,
+    VectorPlanes, depth_png, flo, kalibr, kitti_png, label_png, label_polygons, mask_png,
+    middlebury_calib, names, npy, opencv_storage, pfm, picture, points, rig_toml, ros_camera_info,
+    scene_toml, validity_png,
 };
 
 /// The system's allocator, which notes the largest request of each thread.
@@ -104,6 +105,9 @@ fn every_reader(bytes: &[u8]) {
     proportionate(bytes, PLAIN, label_polygons::decode);
     proportionate(bytes, PLAIN, rig_toml::decode);
     proportionate(bytes, PLAIN, middlebury_calib::decode);
+    proportionate(bytes, PLAIN, ros_camera_info::decode);
+    proportionate(bytes, PLAIN, kalibr::decode);
+    proportionate(bytes, PLAIN, |bytes| opencv_storage::decode(&[bytes], 1.0));
     proportionate(bytes, PLAIN, points::decode);
     proportionate(bytes, PLAIN, scene_toml::decode_stereo);
     proportionate(bytes, PLAIN, scene_toml::decode_flow);
@@ -130,6 +134,13 @@ fn good_files() -> Vec<Vec<u8>> {
         b"P2\n3 2\n255\n0 1 2 3 4 5\n".to_vec(),
         b"P1\n3 2\n0 1 0 1 0 1\n".to_vec(),
         b"P7\nWIDTH 2\nHEIGHT 1\nDEPTH 1\nMAXVAL 9\nTUPLTYPE GRAYSCALE\nENDHDR\n12".to_vec(),
+        include_bytes!("../../../fixtures/rigs/ros_left.yaml").to_vec(),
+        include_bytes!("../../../fixtures/rigs/kalibr_camchain.yaml").to_vec(),
+        opencv_storage::encode(
+            &kalibr::decode(include_bytes!("../../../fixtures/rigs/kalibr_camchain.yaml")).unwrap(),
+            opencv_storage::Form::Yaml,
+        ),
+        include_bytes!("../../../fixtures/rigs/opencv_stereo.xml").to_vec(),
         b"[names]\n1 = \"cup\"\n2 = \"pen\"\n".to_vec(),
         b"width = 9\nheight = 7\n[[object]]\nname = \"a\"\npolygon = [[1, 1], [4, 1], [2, 5.5]]\n"
             .to_vec(),
@@ -280,6 +291,9 @@ fn good_files_are_good() {
             || label_polygons::decode(&file).is_ok()
             || rig_toml::decode(&file).is_ok()
             || middlebury_calib::decode(&file).is_ok()
+            || ros_camera_info::decode(&file).is_ok()
+            || kalibr::decode(&file).is_ok()
+            || opencv_storage::decode(&[&file], 1.0).is_ok()
             || points::decode(&file).is_ok()
             || scene_toml::decode_stereo(&file).is_ok();
         assert!(read, "{:?}", String::from_utf8_lossy(&file));

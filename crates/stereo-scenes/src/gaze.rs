@@ -40,7 +40,7 @@ pub enum NoGaze {
 }
 
 impl Gaze {
-    /// Puts a rig of two eyes, tilted and panned as it is, at a place of the room: `position_m` is
+    /// Puts a rig of two eyes, of any attitude and behind any lens, at a place of the room: `position_m` is
     /// the point midway between the eyes, `heading_rad` as in [`Head`](crate::Head), `size` that of
     /// both images.
     ///
@@ -118,6 +118,13 @@ impl Gaze {
 
     pub(crate) fn eyes(&self) -> Binocular<Eye> {
         let (head, half_m) = (self.head(), self.rig.baseline_m() / 2.0);
+        if !self.rig.only_pans() {
+            return self.rig.eyes().map(|eye| {
+                let pose = head.placed(eye.centre.to_array(), &eye.rotation);
+                Eye::new(pose, eye.intrinsics, self.size).behind(eye.lens)
+            });
+        }
+        // Eyes that only pan are the usual ones, and need one turn fewer.
         let (pan, camera) = (self.rig.pan_rad(), self.rig.intrinsics());
         Binocular {
             left: Eye::new(

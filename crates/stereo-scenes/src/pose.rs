@@ -1,3 +1,5 @@
+use egocentric_depth::Rotation;
+
 use crate::vector::Vector;
 
 /// A place in the room and three directions there: right, down and forward, orthonormal.
@@ -41,6 +43,18 @@ impl Pose {
             right: self.right * cos - self.forward * sin,
             forward: self.forward * cos + self.right * sin,
             ..self
+        }
+    }
+
+    /// Moved by a step of its own axes, then turned by a rotation of them.
+    pub(crate) fn placed(self, step: [f64; 3], rotation: &Rotation) -> Self {
+        let [x, y, z] = step;
+        let turned = |axis| Vector::from(rotation.apply(axis));
+        Self {
+            origin: self.origin + self.direction(Vector::new(x, y, z)),
+            right: self.direction(turned([1.0, 0.0, 0.0])),
+            down: self.direction(turned([0.0, 1.0, 0.0])),
+            forward: self.direction(turned([0.0, 0.0, 1.0])),
         }
     }
 
