@@ -10,11 +10,31 @@ use crate::rough::Rough;
 /// the standard library's `atan2` is not. Its error is a fortieth of a thousandth of a pixel of
 /// disparity.
 #[inline(always)]
-pub(crate) fn angle<S: Rough>(simd: S, y: S::f32s, x: S::f32s) -> S::f32s {
+pub(crate) fn angle<S: Simd>(simd: S, y: S::f32s, x: S::f32s) -> S::f32s {
+    let (shorter, longer) = sides(simd, y, x);
+    of_ratio(simd, y, x, simd.div_f32s(shorter, longer))
+}
+
+/// The same with the machine's [quick](Rough) quotient.
+#[inline(always)]
+pub(crate) fn quick_angle<S: Rough>(simd: S, y: S::f32s, x: S::f32s) -> S::f32s {
+    let (shorter, longer) = sides(simd, y, x);
+    of_ratio(simd, y, x, simd.quotient(shorter, longer))
+}
+
+/// The shorter and the longer of two sides, this one never 0.
+#[inline(always)]
+fn sides<S: Simd>(simd: S, y: S::f32s, x: S::f32s) -> (S::f32s, S::f32s) {
+    let (ax, ay) = (simd.abs_f32s(x), simd.abs_f32s(y));
+    let longer = simd.max_f32s(simd.max_f32s(ax, ay), simd.splat_f32s(f32::MIN_POSITIVE));
+    (simd.min_f32s(ax, ay), longer)
+}
+
+/// The angle of `x + j y` whose sides have this ratio.
+#[inline(always)]
+fn of_ratio<S: Simd>(simd: S, y: S::f32s, x: S::f32s, ratio: S::f32s) -> S::f32s {
     let zero = simd.splat_f32s(0.0);
     let (ax, ay) = (simd.abs_f32s(x), simd.abs_f32s(y));
-    let large = simd.max_f32s(simd.max_f32s(ax, ay), simd.splat_f32s(f32::MIN_POSITIVE));
-    let ratio = simd.quotient(simd.min_f32s(ax, ay), large);
     let polynomial = polynomial(
         simd,
         simd.mul_f32s(ratio, ratio),
