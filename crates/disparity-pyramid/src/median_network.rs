@@ -131,7 +131,10 @@ mod tests {
             };
             let median = median_of_5_columns(simd, std::array::from_fn(value));
             // The bits of the first number, in the order that they happen to have.
-            let bit = |i: usize| simd.splat_f32s(f32::from((ones[0] * 6 + ones[1] >> i & 1) as u8));
+            let bit = |i: usize| {
+                let number = ones[0] * 6 + ones[1];
+                simd.splat_f32s(f32::from(((number >> i) & 1) as u8))
+            };
             (
                 first(median),
                 sorted_5(simd, std::array::from_fn(bit)).map(first),
@@ -147,7 +150,7 @@ mod tests {
             let sum: usize = ones.iter().sum();
             assert_eq!(median, f32::from(u8::from(sum > 12)), "{ones:?}");
             assert!(sorted.is_sorted());
-            let bits = (ones[0] * 6 + ones[1] & 31).count_ones();
+            let bits = ((ones[0] * 6 + ones[1]) & 31).count_ones();
             assert_eq!(sorted.iter().sum::<f32>(), bits as f32);
         }
     }
