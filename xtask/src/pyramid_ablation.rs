@@ -10,8 +10,9 @@ pub(crate) struct Ablation {
 }
 
 /// The default first, then each ingredient off in turn, then all of them: the paper's own steps. Last
-/// what neither has: the test for singularities and the search along rows.
-pub(crate) fn ablations() -> [Ablation; 14] {
+/// what neither has: the test for singularities, the search along rows, stretched filters, and a way back
+/// as thorough as the way there.
+pub(crate) fn ablations() -> [Ablation; 16] {
     let all = MatchParams::default();
     let singularity_tau = Some(1.75);
     let without = |without, params| Ablation { without, params };
@@ -95,6 +96,20 @@ pub(crate) fn ablations() -> [Ablation; 14] {
             "nothing, along rows only",
             MatchParams {
                 rows_only: true,
+                ..all
+            },
+        ),
+        without(
+            "nothing, filters stretched by slopes",
+            MatchParams {
+                slants: true,
+                ..all
+            },
+        ),
+        without(
+            "nothing, two warps on the way back",
+            MatchParams {
+                look_back_warps: 2,
                 ..all
             },
         ),

@@ -145,8 +145,9 @@ impl AblationRun {
              Written by `cargo xtask eval-middlebury --ablate`; edits by hand are lost.\n\n\
              - date: {}\n- machine: {}, {} core{}\n- compiler: {}, {} build\n\n\
              The default parameters with one ingredient off in turn, over {} scenes; the last rows \
-             have what neither the default nor the paper has, a test for phase singularities (tau \
-             1.75), or the vertical shift held at 0. Masks and \
+             have what neither the default nor the paper has: a test for phase singularities (tau \
+             1.75), the vertical shift held at 0, the left eye's filters stretched along the slopes, or \
+             a second warp on the way back. Masks and \
              measures are those of [results.md](results.md); dy is the mean absolute vertical shift \
              over valid visible pixels of rectified pairs, whose truth is 0.\n\n\
              ## Means over the scenes, px\n\n{}",

@@ -133,6 +133,7 @@ fn plan(arguments: &LookArguments, size: Size) -> anyhow::Result<Plan> {
             // The command line speaks the sign of files.
             zero_disparity_px: (0.0 - arguments.zero_disparity.unwrap_or(0.0), 0.0),
             rows_only: arguments.rows_only,
+            slants: arguments.slants,
             singularity_tau: arguments.singularity_tau,
             // The look writes it.
             covariance: true,

@@ -81,7 +81,9 @@ pub(crate) struct Matching {
     least_coherence: f32,
     vertical_prior: f32,
     left_right_px: Option<f32>,
+    look_back_warps: usize,
     rows_only: bool,
+    slants: bool,
     singularity_tau: Option<f32>,
 }
 
@@ -215,7 +217,9 @@ impl Matching {
             least_coherence: params.least_coherence,
             vertical_prior: params.vertical_prior,
             left_right_px: params.left_right_px,
+            look_back_warps: params.look_back_warps,
             rows_only: params.rows_only,
+            slants: params.slants,
             singularity_tau: params.singularity_tau,
         }
     }

@@ -69,7 +69,6 @@ mod filter_bank;
 mod fourier;
 mod gabor_kernels;
 mod gabor_params;
-mod huge_pages;
 mod instantaneous_frequency;
 mod lanes;
 mod local_phase;

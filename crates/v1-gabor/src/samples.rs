@@ -1,5 +1,3 @@
-use crate::huge_pages;
-
 /// Bytes that a cache moves at a time.
 const LINE: usize = 64;
 
@@ -18,8 +16,7 @@ impl Samples {
     #[must_use]
     pub fn zeros(len: usize) -> Self {
         // Fresh zeros of the system, of which no page is touched yet.
-        let mut storage = vec![0.0f32; len + LINE / size_of::<f32>()];
-        huge_pages::ask(&mut storage);
+        let storage = vec![0.0f32; len + LINE / size_of::<f32>()];
         let start = storage.as_ptr().align_offset(LINE);
         // An allocator may, by its contract, not tell; the line is then only not met.
         let start = if start > storage.len() - len {
