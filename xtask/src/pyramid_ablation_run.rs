@@ -147,7 +147,7 @@ impl AblationRun {
              The default parameters with one ingredient off in turn, over {} scenes; the last rows \
              have what neither the default nor the paper has: a test for phase singularities (tau \
              1.75), the vertical shift held at 0, the left eye's filters stretched along the slopes, or \
-             a second warp on the way back. Masks and \
+             one warp on the way back in place of two. Masks and \
              measures are those of [results.md](results.md); dy is the mean absolute vertical shift \
              over valid visible pixels of rectified pairs, whose truth is 0.\n\n\
              ## Means over the scenes, px\n\n{}",

@@ -174,14 +174,13 @@ pub(crate) fn both_ways(
     let last = params.look_back_scale.min(sizes.len() - 1);
     if params.left_right_px.is_some() {
         let start = (-start_x, -start_y);
-        let light = MatchParams {
-            warps: params.look_back_warps,
-            finest_warps: params.look_back_warps,
-            medians: params.medians.min(1),
+        let params = MatchParams {
+            warps: params.look_back_warps.min(params.warps),
+            finest_warps: params.look_back_warps.min(params.finest_warps),
             covariance: false,
             ..*params
         };
-        let back = move || coarse_to_fine(track_back, (sizes, last), start, &light, back);
+        let back = move || coarse_to_fine(track_back, (sizes, last), start, &params, back);
         // Side by side: steps of one that keep a single thread busy leave the others to the other.
         rayon::join(there, back);
     } else {
