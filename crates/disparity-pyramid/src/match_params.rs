@@ -47,8 +47,8 @@ pub struct MatchParams {
     /// fifths of the warps for it that 0 would.
     pub look_back_scale: usize,
     /// Warps at each scale of the way back, no more than there are on the way there. One in place of two
-    /// takes a tenth off the time; it costs half a percent of the pixels on Venus and Sawtooth, and four to
-    /// eleven percent on scenes of large range (Teddy, Aloe), where the way back is then lost itself.
+    /// takes a tenth off the time and leaves 1.8 % of the pixels fewer valid on the mean of thirteen
+    /// scenes, most of them where the range is large and the way back is then lost itself.
     pub look_back_warps: usize,
     /// Whether the vertical component is held at [`zero_disparity_px`](Self::zero_disparity_px)'s,
     /// for pairs whose rows are known to correspond: each fit then has one unknown,
