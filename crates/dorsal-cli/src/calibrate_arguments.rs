@@ -24,12 +24,12 @@ pub(crate) struct CalibrateArguments {
     pub(crate) out: PathBuf,
 
     /// One standard deviation of the rig's vergence, as its encoders have it, in degrees [default: the
-    /// rig's own yaw_deg in [sigma], else 0.5]
+    /// rig's own sigma of yaw, else 0.5]
     #[arg(long, value_name = "DEG", value_parser = degrees)]
     pub(crate) yaw_sigma: Option<f64>,
 
     /// One standard deviation of where the right eye sits, down and forward, in baselines [default: the
-    /// rig's own in [sigma], else 0.01]
+    /// rig's own sigma, else 0.01]
     #[arg(long, value_name = "SHARE", value_parser = degrees)]
     pub(crate) slip_sigma: Option<f64>,
 
