@@ -5,7 +5,7 @@ use crate::track::Track;
 /// Buffers that [`estimate_into`](crate::estimate_into) works in, kept from one pair to the next: once
 /// they have grown to a size of image, nothing large is allocated for the next pair of that size.
 ///
-/// About 45 bytes a pixel of the image. What they hold between two pairs means nothing.
+/// About 40 bytes a pixel of the image, by the sizes of its planes. What they hold between two pairs means nothing.
 #[derive(Clone, Debug, Default)]
 pub struct MatchWorkspace {
     /// The way from the left eye to the right one.

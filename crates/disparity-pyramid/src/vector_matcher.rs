@@ -13,8 +13,9 @@ use crate::{DisparityField, MatchParams, MatchWorkspace, Mismatch};
 /// [`estimate`](crate::estimate) in one visit, with the same bits.
 ///
 /// The finest responses, three quarters of all, are needed once, and by one row after the other. They
-/// are computed row by row where the warp reads them and forgotten: no more than a few rows of them are
-/// there at a time, in a cache, where a frame of both eyes would be 128 bytes a pixel of memory. What a
+/// are computed row by row where the warp reads them and forgotten. Of the left eye one row is there at a
+/// time, of the right eye as many as the vertical shifts of a row are apart: a few, or, with stray shifts,
+/// some tens (56 of 768 on a real pair), where a frame of both eyes would be 128 bytes a pixel of memory. What a
 /// matcher works in is kept from pair to pair, so that none but the first allocates anything large.
 ///
 /// ```
