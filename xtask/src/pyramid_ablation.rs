@@ -12,7 +12,7 @@ pub(crate) struct Ablation {
 /// The default first, then each ingredient off in turn, then all of them: the paper's own steps. Last
 /// what neither has: the test for singularities, the search along rows and stretched filters; and with a
 /// quicker way back.
-pub(crate) fn ablations() -> [Ablation; 16] {
+pub(crate) fn ablations() -> [Ablation; 17] {
     let all = MatchParams::default();
     let singularity_tau = Some(1.75);
     let without = |without, params| Ablation { without, params };
@@ -30,6 +30,13 @@ pub(crate) fn ablations() -> [Ablation; 16] {
             "robust rounds: a plain fit",
             MatchParams {
                 robust_rounds: 0,
+                ..all
+            },
+        ),
+        without(
+            "sparse scales: every pixel fitted",
+            MatchParams {
+                sparse_scales: 0,
                 ..all
             },
         ),

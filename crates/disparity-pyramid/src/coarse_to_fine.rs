@@ -1,14 +1,13 @@
-use ndarray::Array2;
-use v1_gabor::Size;
-
 use crate::MatchParams;
-use crate::expand::expand_into;
+use crate::expand::{double_into, expand_into};
+use crate::grid::Grid;
 use crate::shift_covariance::FitCovariance;
 use crate::shifts::Shifts;
 use crate::track::Track;
+use ndarray::Array2;
 
 /// The shifts that take one eye's image to the other's, from the coarsest scale down to the scale
-/// `last` (equation 4), 0 being the finest; they are left in that level of the track. `sizes` are the
+/// `last` (equation 4), 0 being the finest; they are left in that level of the track. `grids` are the
 /// scales', finest first; `start_px` is in pixels of the finest.
 ///
 /// `refine` is one warp at one scale: it improves the shifts where the phases tell it to, and says
@@ -16,20 +15,26 @@ use crate::track::Track;
 /// vertical shifts; at the first these are the shifts themselves.
 pub(crate) fn coarse_to_fine(
     track: &mut Track,
-    (sizes, last): (&[Size], usize),
+    (grids, last): (&[Grid], usize),
     start_px: (f32, f32),
     params: &MatchParams,
     mut refine: impl FnMut(usize, &mut Shifts, Option<&Array2<f32>>),
 ) {
-    track.fit(sizes, last);
-    let coarsest = sizes.len() - 1;
+    track.fit(grids, last);
+    let coarsest = grids.len() - 1;
     for scale in (last..=coarsest).rev() {
         let (finer, coarser) = track.levels.split_at_mut(scale + 1);
         let level = &mut finer[scale];
         let shifts = &mut level.shifts;
         if let Some(coarser) = coarser.first() {
-            expand_into(coarser.shifts.dx.view(), &mut shifts.dx);
-            expand_into(coarser.shifts.dy.view(), &mut shifts.dy);
+            // Every second pixel of a scale is a pixel of the next coarser one.
+            let finer = if grids[scale].step > grids[scale + 1].step {
+                double_into
+            } else {
+                expand_into
+            };
+            finer(coarser.shifts.dx.view(), &mut shifts.dx);
+            finer(coarser.shifts.dy.view(), &mut shifts.dy);
         } else {
             let shrink = 0.5f32.powi(coarsest as i32);
             shifts.dx.fill(start_px.0 * shrink);
@@ -47,7 +52,7 @@ pub(crate) fn coarse_to_fine(
             if (scale, warp) == (0, warps) {
                 shifts.covariance = params
                     .covariance
-                    .then(|| Array2::from_elem(sizes[0].dim(), FitCovariance::UNKNOWN));
+                    .then(|| Array2::from_elem(grids[0].size.dim(), FitCovariance::UNKNOWN));
             }
             refine(scale, shifts, (warp > 1).then_some(&level.parent_dy));
             let medians = if warp < warps {

@@ -3,11 +3,13 @@ use v1_gabor::{Binocular, GaborParams, MonogenicParams, Responses, Size, V1Respo
 
 use crate::coarse_to_fine::coarse_to_fine;
 use crate::fill::fill;
+use crate::grid::Grid;
 use crate::left_right::check;
 use crate::refine::{Eyes, refine};
 use crate::shift_covariance::pooled;
 use crate::shifts::Shifts;
 use crate::singular::mark_singular;
+use crate::spread::{spread, spread_covariance};
 use crate::{DisparityField, MatchParams, MatchWorkspace};
 
 /// Why the responses of two eyes cannot be matched.
@@ -121,12 +123,8 @@ pub(crate) fn estimate_scales_into(
         .as_ref()
         .map_or((left, right), |heard| (&heard.left, &heard.right));
     let waves = left.params().wave_vectors();
-    let sizes: Vec<Size> = left
-        .scales()
-        .iter()
-        .map(Responses::size)
-        .take(scales)
-        .collect();
+    let sizes = left.scales().iter().map(Responses::size).take(scales);
+    let grids = Grid::of_scales(sizes, &params);
     let warp = |from: &V1Responses,
                 to: &V1Responses,
                 scale: usize,
@@ -136,13 +134,14 @@ pub(crate) fn estimate_scales_into(
             left: &from.scales()[scale],
             right: &to.scales()[scale],
             waves: &waves,
+            step: grids[scale].step,
         };
         refine(&eyes, shifts, dy, &params);
     };
     both_ways(
         (workspace, field),
         &params,
-        &sizes,
+        (left.size(), &grids),
         Some(left.params()),
         |scale, shifts, parent_dy| warp(left, right, scale, shifts, parent_dy),
         |scale, shifts, parent_dy| warp(right, left, scale, shifts, parent_dy),
@@ -159,7 +158,7 @@ pub(crate) fn estimate_scales_into(
 pub(crate) fn both_ways(
     (workspace, field): (&mut MatchWorkspace, &mut DisparityField),
     params: &MatchParams,
-    sizes: &[Size],
+    (size, grids): (Size, &[Grid]),
     bank: Option<GaborParams>,
     there: impl FnMut(usize, &mut Shifts, Option<&Array2<f32>>) + Send,
     back: impl FnMut(usize, &mut Shifts, Option<&Array2<f32>>) + Send,
@@ -168,10 +167,11 @@ pub(crate) fn both_ways(
     let MatchWorkspace {
         there: track,
         back: track_back,
+        confidence,
         ones,
     } = workspace;
-    let there = || coarse_to_fine(track, (sizes, 0), (start_x, start_y), params, there);
-    let last = params.look_back_scale.min(sizes.len() - 1);
+    let there = || coarse_to_fine(track, (grids, 0), (start_x, start_y), params, there);
+    let last = params.look_back_scale.min(grids.len() - 1);
     if params.left_right_px.is_some() {
         let start = (-start_x, -start_y);
         let params = MatchParams {
@@ -180,35 +180,44 @@ pub(crate) fn both_ways(
             covariance: false,
             ..*params
         };
-        let back = move || coarse_to_fine(track_back, (sizes, last), start, &params, back);
+        let back = move || coarse_to_fine(track_back, (grids, last), start, &params, back);
         // Side by side: steps of one that keep a single thread busy leave the others to the other.
         rayon::join(there, back);
     } else {
         there();
     }
     let found = &mut workspace.there.levels[0].shifts;
-    if field.confidence.dim() != sizes[0].dim() {
-        field.confidence = Array2::zeros(sizes[0].dim());
+    let fitted = grids[0];
+    if confidence.dim() != fitted.size.dim() {
+        *confidence = Array2::zeros(fitted.size.dim());
     }
-    if ones.dim() != sizes[0].dim() {
-        *ones = Array2::zeros(sizes[0].dim());
+    if ones.dim() != fitted.size.dim() {
+        *ones = Array2::zeros(fitted.size.dim());
     }
-    fill(found, &mut field.confidence, ones, params.fill_neighbours);
+    fill(found, confidence, ones, params.fill_neighbours);
     if let Some(tolerance_px) = params.left_right_px {
-        let back = &workspace.back.levels[last].shifts;
-        check(found, &mut field.confidence, (back, last), tolerance_px);
+        let back = (&workspace.back.levels[last].shifts, last, grids[last]);
+        check((found, fitted), confidence, back, (size, tolerance_px));
     }
+    let fits = found.covariance.take().zip(bank);
+    let covariance =
+        fits.map(|(fits, bank)| pooled(&fits, &found.validity, (bank, fitted.step), params));
+    if fitted.step > 1 {
+        spread(found, confidence, size, field);
+        field.covariance = covariance.map(|plane| spread_covariance(&plane, confidence, size));
+        return;
+    }
+    field.covariance = covariance;
     // The planes that the field had are the next pair's.
     let planes = [
         (&mut field.dx, &mut found.dx),
         (&mut field.dy, &mut found.dy),
+        (&mut field.confidence, confidence),
     ];
     for (given, found) in planes {
         exchange(given, found);
     }
     exchange(&mut field.validity, &mut found.validity);
-    let fits = found.covariance.take().zip(bank);
-    field.covariance = fits.map(|(fits, bank)| pooled(&fits, &field.validity, bank, params));
 }
 
 /// Gives a plane that was found away for one of the same size.

@@ -18,6 +18,10 @@ pub struct FromVotes {
 /// Scales that a search from near needs: they reach 24 px.
 const NEAR_SCALES: usize = 5;
 
+/// Coherence enough for a field that competes. With 0.8 the fields of a chessboard's wrong squares lose too
+/// few pixels against the right one: 36 to 48 of 54 corners in place of all.
+const COMPETING_COHERENCE: f32 = 0.7;
+
 /// The vector disparity of a pair of which nothing is known: neither how far its shifts lie from
 /// zero, nor how far apart, nor whether a pattern repeats.
 ///
@@ -29,19 +33,23 @@ const NEAR_SCALES: usize = 5;
 /// rows only ([`MatchParams::rows_only`]) every start has the vertical shift of
 /// [`MatchParams::zero_disparity_px`].
 ///
+/// Fields that compete are fitted at every pixel ([`MatchParams::sparse_scales`] counts as 0), and with
+/// [`MatchParams::least_coherence`] at most 0.7: what decides between them is how many pixels each explains,
+/// and on a repeating pattern that is a matter of a few.
+///
 /// # Errors
 /// [`Mismatch`] as `estimate`.
 pub fn estimate_from_votes(
     eyes: &Binocular<V1Responses>,
-    params: MatchParams,
+    mut params: MatchParams,
 ) -> Result<FromVotes, Mismatch> {
     let held = eyes.left.scales().len();
-    let from = |start: Option<Start>| {
+    let from = |params: &MatchParams, start: Option<Start>| {
         let wanted = start.map_or(GaborParams::default().scales, |start| start.scales());
         let scales = wanted.min(held);
         let params = MatchParams {
             zero_disparity_px: start.map_or(params.zero_disparity_px, |start| start.shift_px),
-            ..params
+            ..*params
         };
         Ok::<_, Mismatch>((estimate_over(eyes, params, scales)?, scales))
     };
@@ -60,12 +68,16 @@ pub fn estimate_from_votes(
         // Starts that differed along y alone are now one.
         starts.dedup_by_key(|start| start.shift_px);
     }
-    let found = starts.iter().map(|&start| from(Some(start)));
+    if starts.len() > 1 {
+        params.sparse_scales = 0;
+        params.least_coherence = params.least_coherence.min(COMPETING_COHERENCE);
+    }
+    let found = starts.iter().map(|&start| from(&params, Some(start)));
     let found = found.collect::<Result<Vec<_>, _>>()?;
     let (fields, scales): (Vec<_>, Vec<_>) = found.into_iter().unzip();
     let (field, scales) = match (most_consistent(&fields), scales.into_iter().max()) {
         (Some(field), Some(scales)) => (field, scales),
-        _ => from(None)?,
+        _ => from(&params, None)?,
     };
     Ok(FromVotes {
         field,

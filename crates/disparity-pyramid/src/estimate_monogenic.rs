@@ -1,6 +1,7 @@
-use v1_gabor::{Binocular, MonogenicResponses, Size};
+use v1_gabor::{Binocular, MonogenicResponses};
 
 use crate::estimate::both_ways;
+use crate::grid::Grid;
 use crate::pooled_fit::pooled_refine;
 use crate::{DisparityField, MatchParams, MatchWorkspace, Mismatch};
 
@@ -13,7 +14,8 @@ use crate::{DisparityField, MatchParams, MatchWorkspace, Mismatch};
 /// orientation only, there is no answer.
 ///
 /// The fit is a plain one: [`MatchParams::robust_rounds`], [`MatchParams::least_coherence`] and
-/// [`MatchParams::singularity_tau`] have nothing to act on, the field carries no covariance, and a pixel counts as heard if its own energy in both eyes is above
+/// [`MatchParams::singularity_tau`] have nothing to act on, every pixel is fitted ([`MatchParams::sparse_scales`] counts as 0), the field
+/// carries no covariance, and a pixel counts as heard if its own energy in both eyes is above
 /// [`MatchParams::energy_threshold`]. All other parameters mean what they mean to `estimate`.
 ///
 /// # Errors
@@ -25,6 +27,7 @@ pub fn estimate_monogenic(
     params.check()?;
     let params = MatchParams {
         covariance: false,
+        sparse_scales: 0,
         ..params
     };
     let (left, right) = (&eyes.left, &eyes.right);
@@ -41,7 +44,8 @@ pub fn estimate_monogenic(
         });
     }
     let omega = left.params().peak_frequency;
-    let sizes: Vec<Size> = left.scales().iter().map(|scale| scale.size()).collect();
+    let sizes = left.scales().iter().map(|scale| scale.size());
+    let grids = Grid::of_scales(sizes, &params);
     let warp = |from: &MonogenicResponses,
                 to: &MonogenicResponses,
                 scale,
@@ -54,7 +58,7 @@ pub fn estimate_monogenic(
     both_ways(
         (&mut MatchWorkspace::new(), &mut field),
         &params,
-        &sizes,
+        (left.size(), &grids),
         None,
         |scale, shifts, parent_dy| warp(left, right, scale, shifts, parent_dy),
         |scale, shifts, parent_dy| warp(right, left, scale, shifts, parent_dy),

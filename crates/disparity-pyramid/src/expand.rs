@@ -1,4 +1,4 @@
-use ndarray::{Array2, ArrayView2};
+use ndarray::{Array2, ArrayView2, Zip};
 use rayon::prelude::*;
 use v1_gabor::Size;
 
@@ -40,6 +40,13 @@ pub(crate) fn expand_into(shifts: ArrayView2<'_, f32>, fine: &mut Array2<f32>) {
                 _ => {}
             }
         });
+}
+
+/// The values doubled, into a plane of the same grid.
+pub(crate) fn double_into(shifts: ArrayView2<'_, f32>, fine: &mut Array2<f32>) {
+    Zip::from(fine)
+        .and(shifts)
+        .par_for_each(|fine, &shift| *fine = 2.0 * shift);
 }
 
 #[cfg(test)]

@@ -1,13 +1,16 @@
 use ndarray::Array2;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
+use v1_gabor::Size;
 
 use crate::Validity;
+use crate::grid::Grid;
 use crate::shifts::Shifts;
 
 /// Follows each valid shift to the other eye and back. Where the way does not come back to within
 /// `tolerance_px`, the pixel is occluded if the other eye sees something nearer there, and
-/// inconsistent if not. The way back is known at the scale `scale`, 0 being that of the way there.
+/// inconsistent if not. The way there is known at the pixels of a grid over an image of `size`, the way
+/// back at those of one over the scale `scale`, 0 being that of the way there.
 ///
 /// What is nearer has the larger `dx` seen from the right eye, so a way back that overshoots to the
 /// right (`dx` there plus `dx` back above 0) belongs to something nearer.
@@ -15,13 +18,12 @@ use crate::shifts::Shifts;
 /// The other eye's best guess counts even where it does not stand behind it: a guess that leads back
 /// to the start is evidence however it came about. What is refused has no confidence any more.
 pub(crate) fn check(
-    there: &mut Shifts,
+    (there, grid): (&mut Shifts, Grid),
     confidence: &mut Array2<f32>,
-    (back, scale): (&Shifts, usize),
-    tolerance_px: f32,
+    (back, scale, back_grid): (&Shifts, usize, Grid),
+    (size, tolerance_px): (Size, f32),
 ) {
-    let (height, width) = there.dx.dim();
-    let (back_height, back_width) = back.dx.dim();
+    let width = grid.size.width;
     let (back_dx, back_dy) = (numbers(&back.dx), numbers(&back.dy));
     there
         .validity
@@ -39,11 +41,12 @@ pub(crate) fn check(
         .enumerate()
         .for_each(|(y, (((validity, confidence), dx), dy))| {
             Arch::new().dispatch(Row {
-                y: y as f32,
-                size: (width, height),
+                y,
+                grid,
+                size,
                 there: (dx, dy),
                 back: (back_dx, back_dy),
-                back_size: (back_width, back_height),
+                back_grid,
                 scale,
                 tolerance_px,
                 validity,
@@ -58,14 +61,16 @@ const CHUNK: usize = 64;
 
 /// What the check of a row has to know.
 struct Row<'a> {
-    y: f32,
-    /// Width and height of the way there.
-    size: (usize, usize),
+    /// The row's number among those that are fitted.
+    y: usize,
+    grid: Grid,
+    /// Of the image.
+    size: Size,
     /// Where the way there leads from each pixel of the row, by component.
     there: (&'a [f32], &'a [f32]),
     /// Where the way back leads, by component, in pixels of its scale.
     back: (&'a [f32], &'a [f32]),
-    back_size: (usize, usize),
+    back_grid: Grid,
     scale: usize,
     tolerance_px: f32,
     validity: &'a mut [Validity],
@@ -100,20 +105,22 @@ impl Row<'_> {
         validity: &mut [Validity],
         confidence: &mut [f32],
     ) {
-        let (width, height) = self.size;
+        let Size { width, height } = self.size;
         let (most_x, most_y) = (width as f32 - 0.5, height as f32 - 0.5);
         let grow = 2.0f32.powi(self.scale as i32);
-        let shrink = 1.0 / grow;
+        let shrink = 1.0 / (grow * self.back_grid.step as f32);
+        let back = self.back_grid.size;
+        let y = (self.y * self.grid.step) as f32;
         let (mut places, mut inside) = ([0u32; CHUNK], [false; CHUNK]);
         let ends = places.iter_mut().zip(&mut inside).zip(dx.iter().zip(dy));
         for (i, ((place, inside), (&dx, &dy))) in ends.enumerate() {
-            let (u, v) = ((x + i) as f32 + dx, self.y + dy);
+            let (u, v) = (((x + i) * self.grid.step) as f32 + dx, y + dy);
             *inside = (u >= -0.5) & (v >= -0.5) & (u < most_x) & (v < most_y);
             let (column, row) = (
-                nearest(u * shrink, self.back_size.0),
-                nearest(v * shrink, self.back_size.1),
+                nearest(u * shrink, back.width),
+                nearest(v * shrink, back.height),
             );
-            *place = row * self.back_size.0 as u32 + column;
+            *place = row * back.width as u32 + column;
         }
         let (mut back_dx, mut back_dy) = ([0.0; CHUNK], [0.0; CHUNK]);
         let ends = back_dx

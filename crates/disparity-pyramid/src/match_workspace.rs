@@ -12,6 +12,8 @@ pub struct MatchWorkspace {
     pub(crate) there: Track,
     /// The way back, as far as it is walked.
     pub(crate) back: Track,
+    /// How sure the way there is.
+    pub(crate) confidence: Array2<f32>,
     /// One where a pixel is valid, 0 where not.
     pub(crate) ones: Array2<u8>,
 }

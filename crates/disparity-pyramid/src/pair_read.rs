@@ -1,7 +1,7 @@
 use pulp::Simd;
 use pulp::x86::V4;
 
-use crate::tile::{Products, Reader, TILE, Tile};
+use crate::tile::{Along, Products, Reader, TILE, Tile};
 use crate::vector::{store, vector};
 use crate::warp::Warp;
 
@@ -45,11 +45,7 @@ struct Places {
 impl Places {
     /// The same as [`Warp::place`] for each pixel, without a branch.
     #[inline(always)]
-    fn new(
-        warp: &Warp<'_>,
-        (x, y): (usize, usize),
-        (dx, dy): (&[f32; TILE], &[f32; TILE]),
-    ) -> Self {
+    fn new(warp: &Warp<'_>, at: Along, (dx, dy): (&[f32; TILE], &[f32; TILE])) -> Self {
         // Adding 1.5 * 2^23 rounds to the nearest integer, which then stands in the lowest bits.
         const ROUNDER: f32 = 12_582_912.0;
         let (most_x, most_y) = (warp.size.width as u32 - 1, warp.size.height as u32 - 1);
@@ -69,7 +65,7 @@ impl Places {
             (floor, (floor + ROUNDER).to_bits() - ROUNDER.to_bits())
         };
         for i in 0..TILE {
-            let (u, v) = ((x + i) as f32 + dx[i], y as f32 + dy[i]);
+            let (u, v) = (at.column(i) + dx[i], at.y as f32 + dy[i]);
             // Written so that NaN is outside, and without a branch.
             let inside = (u >= 0.0) & (u <= most_x as f32) & (v >= 0.0) & (v <= most_y as f32);
             let (u, v) = if inside { (u, v) } else { (0.0, 0.0) };
@@ -178,7 +174,7 @@ impl Reader for ByPair {
         self,
         tile: &mut Tile,
         (left, warp): (&[f32], &Warp<'_>),
-        at: (usize, usize),
+        at: Along,
         shifts: (&[f32; TILE], &[f32; TILE]),
         threshold: f32,
     ) {
@@ -199,8 +195,8 @@ impl Reader for ByPair {
             let mut products = Aligned([Products::new(v4, silence, silence); HALF]);
             for (i, products) in (first..).zip(&mut products.0) {
                 let left = (
-                    vector(v4, &left[i.min(last)], 0),
-                    vector(v4, &left[(i + HALF).min(last)], 0),
+                    vector(v4, &left[(i * at.step).min(last)], 0),
+                    vector(v4, &left[((i + HALF) * at.step).min(last)], 0),
                 );
                 let right = (
                     carrier.read(v4, right, &places, i),
@@ -294,7 +290,7 @@ mod tests {
         reader: R,
         left: &'a [f32],
         warp: &'a Warp<'a>,
-        at: (usize, usize),
+        at: Along,
         shifts: (&'a [f32; TILE], &'a [f32; TILE]),
     }
 
@@ -318,7 +314,7 @@ mod tests {
         /// at the end of a row too. On a machine without AVX-512 there is but one.
         #[test]
         fn pairs_read_what_single_pixels_do(
-            start in 0usize..3, y in 0usize..20, seed: u64,
+            start in 0usize..3, step in 1usize..3, y in 0usize..20, seed: u64,
             dx in prop::array::uniform32(-30.0f32..30.0), dy in prop::array::uniform32(-5.0f32..5.0),
         ) {
             let Some(v4) = V4::try_new() else {
@@ -342,7 +338,7 @@ mod tests {
             let mut dx = dx;
             // The last tile of a row has fewer pixels, and whole numbers are places too.
             for i in 0..TILE {
-                if start + i >= size.width {
+                if start + i * step >= size.width {
                     dx[i] = f32::NAN;
                 } else if i % 5 == 0 {
                     dx[i] = dx[i].round();
@@ -350,7 +346,7 @@ mod tests {
             }
             let left = &left.scales()[0].samples()[(y * size.width + start) * PARTS..];
             let shifts = (&dx, &dy);
-            let (warp, at) = (&warp, (start, y));
+            let (warp, at) = (&warp, Along { x: start, y, step });
             let pairs = v4.vectorize(Read { reader: ByPair(v4), left, warp, at, shifts });
             let reader = ByPixel::<8, _>(Scalar, 8);
             let singles = Read { reader, left, warp, at, shifts }.call();

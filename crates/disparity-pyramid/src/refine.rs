@@ -8,7 +8,7 @@ use crate::pair_read::ByPair;
 use crate::shift_covariance::FitCovariance;
 use crate::shifts::Shifts;
 use crate::stretch::Stretch;
-use crate::tile::{ByPixel, MOST_ORIENTATIONS, Reader, TILE, Tile, whole};
+use crate::tile::{Along, ByPixel, MOST_ORIENTATIONS, Reader, TILE, Tile, whole};
 use crate::warp::{Carriers, Warp};
 use crate::{MatchParams, Validity};
 
@@ -17,6 +17,8 @@ pub(crate) struct Eyes<'a> {
     pub(crate) left: &'a Responses,
     pub(crate) right: &'a Responses,
     pub(crate) waves: &'a [WaveVector],
+    /// How far each pixel that is fitted is from the next, along rows and columns.
+    pub(crate) step: usize,
 }
 
 /// One warp: reads the right responses at the present shifts, turns each orientation's phase
@@ -65,14 +67,15 @@ pub(crate) fn refine(
     let room = || (Tile::new(), [0.0; TILE * 2 * MOST_ORIENTATIONS]);
     let run = |(tile, stretched): &mut (Tile, [f32; _]), y, planes, covariance| {
         let (dx, dy, validity, residual) = planes;
-        let parts = width * 2 * eyes.waves.len();
+        let parts = eyes.left.size().width * 2 * eyes.waves.len();
         let row = Row {
-            left: &eyes.left.samples()[y * parts..][..parts],
+            left: &eyes.left.samples()[y * eyes.step * parts..][..parts],
             waves: eyes.waves,
             warp: &warp,
             params,
             tile,
-            y,
+            step: eyes.step,
+            y: y * eyes.step,
             dx,
             dy,
             validity,
@@ -101,13 +104,15 @@ pub(crate) fn refine(
 
 /// One row's work.
 pub(crate) struct Row<'a> {
-    /// The left eye's samples of the row.
+    /// The left eye's samples of the row, of every pixel.
     pub(crate) left: &'a [f32],
     pub(crate) waves: &'a [WaveVector],
     /// The right eye's samples, of those rows at least that the shifts lead to.
     pub(crate) warp: &'a Warp<'a>,
     pub(crate) params: &'a MatchParams,
     pub(crate) tile: &'a mut Tile,
+    /// How far each pixel that is fitted is from the next.
+    pub(crate) step: usize,
     pub(crate) y: usize,
     pub(crate) dx: &'a mut [f32],
     pub(crate) dy: &'a mut [f32],
@@ -157,6 +162,7 @@ impl<R: Reader> NullaryFnOnce for Compiled<'_, R> {
             warp,
             params,
             tile,
+            step,
             y,
             dx,
             dy,
@@ -173,13 +179,19 @@ impl<R: Reader> NullaryFnOnce for Compiled<'_, R> {
             let end = (start + TILE).min(dx.len());
             let here = start..end;
             let shifts = (&whole(&dx[here.clone()]), &whole(&dy[here.clone()]));
-            let at = (start, y);
+            let at = Along {
+                x: start * step,
+                y,
+                step,
+            };
             let pixels = end - start;
             let left = match stretch {
-                Some(stretch) if stretch.respond(reader.simd(), stretched, warp, at, pixels) => {
+                Some(stretch)
+                    if stretch.respond(reader.simd(), stretched, warp, (at.x, y), pixels) =>
+                {
                     &*stretched
                 }
-                _ => &left[start * parts..],
+                _ => &left[at.x * parts..],
             };
             reader.read(tile, (left, warp), at, shifts, params.energy_threshold);
             let parent_dy =

@@ -1,7 +1,7 @@
 use ndarray::Array2;
 use rayon::prelude::*;
 use v1_gabor::machine::Samples;
-use v1_gabor::{Binocular, FilterBank, LumaImage, RowWorkspace, WaveVector};
+use v1_gabor::{Binocular, FilterBank, LumaImage, RowWorkspace, Size, WaveVector};
 
 use crate::refine::Row;
 use crate::shift_covariance::FitCovariance;
@@ -15,6 +15,8 @@ pub(crate) struct RowEyes<'a> {
     pub(crate) bank: &'a FilterBank,
     pub(crate) images: &'a Binocular<LumaImage>,
     pub(crate) waves: &'a [WaveVector],
+    /// How far each pixel that is fitted is from the next, along rows and columns.
+    pub(crate) step: usize,
 }
 
 /// What one thread keeps of the responses while it walks down its rows.
@@ -51,6 +53,7 @@ pub(crate) fn refine_rows(
     bands: &mut Vec<Band>,
 ) {
     const CONTIGUOUS: &str = "planes are made in row-major order";
+    // Of the pixels that are fitted.
     let (height, width) = shifts.dx.dim();
     bands.resize_with(rayon::current_num_threads(), Band::new);
     let rows = height.div_ceil(bands.len());
@@ -72,7 +75,7 @@ pub(crate) fn refine_rows(
         .zip(bands.par_iter_mut())
         .enumerate();
     let walk = |number, band: &mut Band, planes| {
-        band.walk(eyes, &carriers, params, (number * rows, height), planes);
+        band.walk(eyes, &carriers, params, number * rows, planes);
     };
     match &mut shifts.covariance {
         None => bands.for_each(|(number, (((dx, dy, residual), validity), band))| {
@@ -115,29 +118,33 @@ impl Band {
         }
     }
 
-    /// Walks down the band's rows, the first one being `from` of `height`.
+    /// Walks down the band's rows of pixels that are fitted, the first one being `from`.
     fn walk(
         &mut self,
         eyes: &RowEyes<'_>,
         carriers: &Carriers,
         params: &MatchParams,
-        (from, height): (usize, usize),
+        from: usize,
         planes: Planes<'_>,
     ) {
-        let width = eyes.bank.size().width;
+        let Size { width, height } = eyes.bank.size();
         let stride = width * 2 * eyes.waves.len();
-        let (mut next, held) = self.survey(planes.dy, width, (from, height));
+        let samples = width.div_ceil(eyes.step);
+        let (mut next, held) = self.survey((planes.dy, samples), (from, eyes.step), height);
         for (samples, rows) in [(&mut self.left, 1), (&mut self.right, held)] {
             if samples.as_slice().len() != rows * stride {
                 *samples = Samples::zeros(rows * stride);
             }
         }
-        let mut fits = planes.covariance.map(|plane| plane.chunks_mut(width));
-        let shifts = planes.dx.chunks_mut(width).zip(planes.dy.chunks_mut(width));
-        let residuals = planes.residual.chunks_mut(width);
-        let answers = planes.validity.chunks_mut(width).zip(residuals);
+        let mut fits = planes.covariance.map(|plane| plane.chunks_mut(samples));
+        let shifts = planes
+            .dx
+            .chunks_mut(samples)
+            .zip(planes.dy.chunks_mut(samples));
+        let residuals = planes.residual.chunks_mut(samples);
+        let answers = planes.validity.chunks_mut(samples).zip(residuals);
         for (i, ((dx, dy), (validity, residual))) in shifts.zip(answers).enumerate() {
-            let y = from + i;
+            let y = (from + i) * eyes.step;
             while next <= self.reaches[i].1 {
                 let place = next & (held - 1);
                 let row = &mut self.right.as_mut_slice()[place * stride..][..stride];
@@ -164,6 +171,7 @@ impl Band {
                 warp: &warp,
                 params,
                 tile: &mut self.tile,
+                step: eyes.step,
                 y,
                 dx,
                 dy,
@@ -181,11 +189,16 @@ impl Band {
     /// Finds which rows of the right eye each of the band's rows needs to be there: up to which one,
     /// and, over all rows that follow too, from which one. Gives the first of all, and how many must be
     /// held at once, rounded up to a power of two.
-    fn survey(&mut self, dy: &[f32], width: usize, (from, height): (usize, usize)) -> Reach {
+    fn survey(
+        &mut self,
+        (dy, samples): (&[f32], usize),
+        (from, step): (usize, usize),
+        height: usize,
+    ) -> Reach {
         self.reaches.clear();
         let mut last = 0;
-        for (i, dy) in dy.chunks(width).enumerate() {
-            let (least, most) = reach(dy, from + i, height);
+        for (i, dy) in dy.chunks(samples).enumerate() {
+            let (least, most) = reach(dy, (from + i) * step, height);
             last = last.max(most);
             self.reaches.push((least, last));
         }

@@ -34,7 +34,7 @@ pub(crate) struct Fit {
     pub(crate) residual_px: [f32; TILE],
     /// How many orientations were heard.
     pub(crate) heard: [f32; TILE],
-    /// The covariance `s^2 M^-1` by its entries xx, xy and yy, in square pixels, if it is asked for:
+    /// The covariance `s^2 A M A` by its entries xx, xy and yy, in square pixels, if it is asked for:
     /// `s^2` is the weighted sum of the squared phases left over, over the number of orientations
     /// heard less that of unknowns.
     pub(crate) covariance: [[f32; TILE]; 3],
@@ -86,6 +86,7 @@ fn fit_lanes<S: Rough>(
         yy: zero,
         rx: zero,
         ry: zero,
+        ridge: zero,
     };
     for round in 0..=params.robust_rounds {
         let last = round == params.robust_rounds;
@@ -125,6 +126,7 @@ fn fit_lanes<S: Rough>(
             yy,
             rx,
             ry,
+            ridge: zero,
         };
         if params.rows_only {
             let least = trace.mul(simd, splat(LEAST_ALONG_ROWS));
@@ -135,6 +137,7 @@ fn fit_lanes<S: Rough>(
         let least = trace.mul(simd, trace).mul(simd, splat(LEAST_DETERMINANT));
         let told = least.less_than(simd, determinant(simd, xx, xy, yy));
         let ridge = trace.mul(simd, splat(params.vertical_prior));
+        normal.ridge = ridge;
         yy = yy.add(simd, ridge);
         ry = ridge.mul_add(simd, pull, ry);
         // One division for both components; NaN where they cannot be told.
@@ -170,7 +173,8 @@ fn fit_lanes<S: Rough>(
     heard.store(simd, &mut fit.heard, start);
 }
 
-/// The normal equations of the last round: `sum w phase^2`, and `M` and `r` of equation 3.
+/// The normal equations of the last round: `sum w phase^2`, `M` and `r` of equation 3, and the weight of the
+/// vertical prior beside them.
 struct Normal<S: Simd> {
     squares: Doubled<S>,
     xx: Doubled<S>,
@@ -178,9 +182,11 @@ struct Normal<S: Simd> {
     yy: Doubled<S>,
     rx: Doubled<S>,
     ry: Doubled<S>,
+    ridge: Doubled<S>,
 }
 
-/// `s^2 M^-1` by its entries xx, xy and yy, where `s^2` is
+/// `s^2 A M A` by its entries xx, xy and yy, where `A = (M + P)^-1`, `P` being the vertical prior's weight on dy
+/// alone, which is `A - A P A`: what a prior holds does not scatter. `s^2` is
 /// `sum w (phase - k.u)^2 = sum w phase^2 - 2 r.u + u.M u` over the degrees of freedom.
 #[inline(always)]
 fn covariance<S: Rough>(
@@ -197,6 +203,7 @@ fn covariance<S: Rough>(
         yy,
         rx,
         ry,
+        ridge,
     } = normal;
     let along_x = xx.mul_add(simd, ux, xy.mul(simd, uy).sub(simd, rx.add(simd, rx)));
     let along_y = yy.mul_add(simd, uy, xy.mul(simd, ux).sub(simd, ry.add(simd, ry)));
@@ -210,12 +217,16 @@ fn covariance<S: Rough>(
         return [left_over.quotient(simd, freedom.mul(simd, xx)), zero, zero];
     }
     let freedom = heard.sub(simd, Doubled::splat(simd, 2.0));
-    let scale = freedom.mul(simd, determinant(simd, xx, xy, yy));
-    let scale = left_over.quotient(simd, scale);
+    let held = yy.add(simd, ridge);
+    let determinant = determinant(simd, xx, xy, held);
+    let scale = left_over.quotient(simd, freedom.mul(simd, determinant));
+    let share = ridge.quotient(simd, determinant);
+    let free = share.negate_mul_add(simd, xx, Doubled::splat(simd, 1.0));
+    let along_x = share.mul(simd, xy).negate_mul_add(simd, xy, held);
     [
-        scale.mul(simd, yy),
-        scale.mul(simd, xy.neg(simd)),
-        scale.mul(simd, xx),
+        scale.mul(simd, along_x),
+        scale.mul(simd, xy.neg(simd)).mul(simd, free),
+        scale.mul(simd, xx).mul(simd, free),
     ]
 }
 

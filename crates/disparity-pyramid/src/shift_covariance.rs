@@ -12,9 +12,9 @@ use crate::{MatchParams, MedianRadius, Validity};
 /// Per pixel the least-squares fit of equation 3 has `M = sum_q w_q k_q k_q^T` and leaves the phases
 /// `r_q`, its weights being those of the last robust round. Its covariance is
 ///
-/// `C = s^2 M^-1`, `s^2 = sum_q w_q r_q^2 / nu`, `nu = nu_K (n - p) / (K - p)`
+/// `C = s^2 A M A`, `A = (M + P)^-1`, `s^2 = sum_q w_q r_q^2 / nu`, `nu = nu_K (n - p) / (K - p)`
 ///
-/// for `n` of `K` orientations heard and `p` unknowns (2, or 1 where only rows are searched). The
+/// with the vertical prior's weight `P` on `dy` alone, for `n` of `K` orientations heard and `p` unknowns (2, or 1 where only rows are searched). The
 /// effective degrees of freedom `nu_K` are fewer than `K - p`, as neighbouring filters overlap and
 /// hear the same noise: the responses of two orientations `a` apart correlate by
 /// `rho = exp(-(omega0 sigma sin(a/2))^2)`, and the errors of their phases, on a texture as white as
@@ -22,10 +22,11 @@ use crate::{MatchParams, MedianRadius, Validity};
 /// projection onto the phases that a shift can make, `nu_K = p tr((I - P) R) / tr(P R)`: for the
 /// paper's bank about 3 in place of 6.
 ///
-/// A value is the mean of the fits in 5 x 5 pixels, as one fit has so few degrees of freedom, times
+/// A value is the mean of the fits in 5 x 5 pixels, as one fit has so few degrees of freedom, plus a floor of 0.01 px in
+/// each component, which is what the finest warp leaves of a shift without any noise, times
 /// the part of the variance that `m` medians over windows of variance `v` leave of errors as smooth
-/// as those of phases, `(sigma^2 / 2) / (sigma^2 / 2 + m v)`, plus a floor of 0.01 px in each
-/// component: what the finest warp leaves of a shift without any noise.
+/// as those of phases, `(sigma^2 / 2) / (sigma^2 / 2 + m v)`. Where every second pixel is fitted the windows are
+/// as much wider, and the mean of neighbours that the pixels between take counts as one more.
 ///
 /// On random dots under white noise of 2.5 to 5 grey levels in 256, an error over its `sigma_dx` has a
 /// standard deviation of .8 to 1.1 (`tests/sigma_is_the_error.rs`). The covariance speaks of noise
@@ -43,8 +44,8 @@ pub struct ShiftCovariance {
     pub yy: f32,
 }
 
-/// Standard deviation that no fit falls below, in pixels: what the finest warp leaves of a shift
-/// without any noise, on random dots.
+/// Standard deviation that no fit falls below, in pixels, before medians: what the finest warp leaves of a shift
+/// without any noise, on random dots (0.010 to 0.013).
 const FLOOR_PX: f32 = 0.01;
 
 /// Half the width of the window of fits that a value is the mean of, in pixels: what
@@ -84,15 +85,17 @@ impl ShiftCovariance {
 }
 
 /// The covariance of every valid shift from those of the fits, `[[y, x]]`: their mean over 5 x 5
-/// pixels, corrected for overlapping filters and medians. Unknown where there is no answer.
+/// pixels, corrected for overlapping filters and medians. The pixels are those that are fitted, `step`
+/// apart. Unknown where there is no answer.
 pub(crate) fn pooled(
     fits: &Array2<FitCovariance>,
     validity: &Array2<Validity>,
-    bank: GaborParams,
+    (bank, step): (GaborParams, usize),
     params: &MatchParams,
 ) -> Array2<ShiftCovariance> {
-    let scale = overlap(bank, params.rows_only) * left_by_medians(bank, params);
-    let floor = FLOOR_PX * FLOOR_PX;
+    let left = left_by_medians(bank, step, params);
+    let scale = overlap(bank, params.rows_only) * left;
+    let floor = FLOOR_PX * FLOOR_PX * left;
     let floor_y = if params.rows_only { 0.0 } else { floor };
     let mut pooled = Array2::from_elem(fits.dim(), ShiftCovariance::UNKNOWN);
     let (height, width) = fits.dim();
@@ -221,11 +224,18 @@ fn of_phases(rho: f32) -> f32 {
 /// The error of a fit is as smooth as the filters' envelope: it correlates over `r` pixels by
 /// `exp(-r^2 / (4 sigma^2))`. On noise as smooth as that a median is nearly a mean, and `m` means over
 /// windows of variance `v` leave `sigma^2 / (sigma^2 + m v)` in two dimensions.
-fn left_by_medians(bank: GaborParams, params: &MatchParams) -> f32 {
+fn left_by_medians(bank: GaborParams, step: usize, params: &MatchParams) -> f32 {
     let window = match params.median_radius {
         MedianRadius::One => (9.0 - 1.0) / 12.0,
         MedianRadius::Two => (25.0 - 1.0) / 12.0,
     };
     let envelope = 0.5 * bank.sigma_px().powi(2);
-    envelope / (envelope + params.medians as f32 * window)
+    // Half of the columns, and of the rows, lie half a step from two samples.
+    let window = window * (step * step) as f32;
+    let between = if step > 1 {
+        0.5 * (0.5 * step as f32).powi(2)
+    } else {
+        0.0
+    };
+    envelope / (envelope + params.medians as f32 * window + between)
 }

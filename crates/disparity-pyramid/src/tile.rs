@@ -33,6 +33,23 @@ pub(crate) struct Tile {
     pub(crate) in_view: [bool; TILE],
 }
 
+/// Where the pixels of a tile are in the left image: the first of them, and how far each is from the
+/// next along the row.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Along {
+    pub(crate) x: usize,
+    pub(crate) y: usize,
+    pub(crate) step: usize,
+}
+
+impl Along {
+    /// The column of the pixel of this number.
+    #[inline(always)]
+    pub(crate) fn column(self, i: usize) -> f32 {
+        (self.x + i * self.step) as f32
+    }
+}
+
 /// A way to read both eyes' responses for the pixels of a tile, in vectors of one kind.
 pub(crate) trait Reader: Copy {
     /// The vectors, which the fit works in too.
@@ -41,12 +58,12 @@ pub(crate) trait Reader: Copy {
     fn simd(self) -> Self::Simd;
 
     /// Reads both eyes' responses for each pixel: the left eye's in place, `left` holding them from
-    /// the tile's first pixel `(x, y)` on, the right eye's at the present shifts.
+    /// the tile's first pixel on, the right eye's at the present shifts.
     fn read(
         self,
         tile: &mut Tile,
         eyes: (&[f32], &Warp<'_>),
-        at: (usize, usize),
+        at: Along,
         shifts: (&[f32; TILE], &[f32; TILE]),
         threshold: f32,
     );
@@ -96,14 +113,14 @@ impl Tile {
         robust_fit(simd, (&self.phase, &self.weight), waves, &pull, params)
     }
 
-    /// Whether the fit at each pixel is an answer; the first of them is `(x, y)`. Without a branch,
+    /// Whether the fit at each pixel is an answer. Without a branch,
     /// so that all are judged at once.
     #[inline(always)]
     pub(crate) fn verdicts(
         &self,
         fit: &Fit,
         params: &MatchParams,
-        (x, y): (usize, usize),
+        at: Along,
         (dx, dy): (&[f32; TILE], &[f32; TILE]),
         size: Size,
     ) -> [Validity; TILE] {
@@ -113,7 +130,7 @@ impl Tile {
         let mut verdicts = [Validity::Valid; TILE];
         for i in 0..TILE {
             let (ux, uy) = (fit.ux[i], fit.uy[i]);
-            let (u, v) = ((x + i) as f32 + dx[i] + ux, y as f32 + dy[i] + uy);
+            let (u, v) = (at.column(i) + dx[i] + ux, at.y as f32 + dy[i] + uy);
             let seen = (u >= 0.0) & (u <= most_x) & (v >= 0.0) & (v <= most_y);
             // Written so that a fit without a solution, NaN, is refused.
             let agreed = (fit.coherence[i] > params.least_coherence)
@@ -166,7 +183,7 @@ impl<const ORIENTATIONS: usize, S: Rough + Machine<SQUARE>> Reader for ByPixel<O
         self,
         tile: &mut Tile,
         (left, warp): (&[f32], &Warp<'_>),
-        (x, y): (usize, usize),
+        at: Along,
         (dx, dy): (&[f32; TILE], &[f32; TILE]),
         threshold: f32,
     ) {
@@ -178,14 +195,14 @@ impl<const ORIENTATIONS: usize, S: Rough + Machine<SQUARE>> Reader for ByPixel<O
         let parts = 2 * orientations;
         let mut places = [None; TILE];
         for i in 0..TILE {
-            places[i] = warp.place((x + i) as f32 + dx[i], y as f32 + dy[i]);
+            places[i] = warp.place(at.column(i) + dx[i], at.y as f32 + dy[i]);
         }
         for first in (0..TILE).step_by(SQUARE) {
             for group in (0..orientations).step_by(SQUARE) {
                 let mut pixels = [SILENT; SQUARE];
                 for i in 0..SQUARE {
                     if let Some(place) = places[first + i] {
-                        let left = &left[(first + i) * parts..][..parts];
+                        let left = &left[(first + i) * at.step * parts..][..parts];
                         let pixel = &mut pixels[i];
                         read_pixel::<ORIENTATIONS, S>(
                             simd,

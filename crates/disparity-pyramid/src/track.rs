@@ -1,6 +1,7 @@
 use ndarray::Array2;
 use v1_gabor::Size;
 
+use crate::grid::Grid;
 use crate::median::Medians;
 use crate::shifts::Shifts;
 
@@ -22,16 +23,16 @@ pub(crate) struct Level {
 }
 
 impl Track {
-    /// Makes the planes fit a pyramid of these sizes, finest first, of which the scales from `last` on
+    /// Makes the planes fit a pyramid of these grids, finest first, of which the scales from `last` on
     /// are walked. Those that fit already stay, with whatever they hold.
-    pub(crate) fn fit(&mut self, sizes: &[Size], last: usize) {
+    pub(crate) fn fit(&mut self, grids: &[Grid], last: usize) {
         const EMPTY: Size = Size {
             width: 0,
             height: 0,
         };
-        self.levels.resize_with(sizes.len(), || Level::of(EMPTY));
-        for (scale, (level, &size)) in self.levels.iter_mut().zip(sizes).enumerate() {
-            let size = if scale < last { EMPTY } else { size };
+        self.levels.resize_with(grids.len(), || Level::of(EMPTY));
+        for (scale, (level, grid)) in self.levels.iter_mut().zip(grids).enumerate() {
+            let size = if scale < last { EMPTY } else { grid.size };
             if level.shifts.validity.dim() != size.dim() {
                 *level = Level::of(size);
             }

@@ -4,6 +4,7 @@ use v1_gabor::{
 };
 
 use crate::estimate::{both_ways, estimate_scales_into};
+use crate::grid::Grid;
 use crate::refine::{Eyes, refine};
 use crate::refine_rows::{Band, RowEyes, refine_rows};
 use crate::shifts::Shifts;
@@ -151,9 +152,8 @@ impl VectorMatcher {
         } = self;
         let scales = bank.params().scales;
         let finer = |size: &Size| Some(size.halved());
-        let sizes: Vec<Size> = std::iter::successors(Some(bank.size()), finer)
-            .take(scales)
-            .collect();
+        let sizes = std::iter::successors(Some(bank.size()), finer).take(scales);
+        let grids = Grid::of_scales(sizes, params);
         let warp = |from: &V1Responses,
                     to: &V1Responses,
                     scale: usize,
@@ -163,6 +163,7 @@ impl VectorMatcher {
                 left: &from.scales()[scale - 1],
                 right: &to.scales()[scale - 1],
                 waves,
+                step: grids[scale].step,
             };
             refine(&eyes, shifts, dy, params);
         };
@@ -175,13 +176,14 @@ impl VectorMatcher {
                 bank,
                 images,
                 waves,
+                step: grids[0].step,
             };
             refine_rows(&eyes, shifts, params, bands);
         };
         both_ways(
             (workspace, field),
             params,
-            &sizes,
+            (bank.size(), &grids),
             Some(bank.params()),
             there,
             |scale, shifts, dy| warp(right, left, scale, shifts, dy),

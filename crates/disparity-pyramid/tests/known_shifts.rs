@@ -76,6 +76,25 @@ proptest! {
         prop_assert!(density > 0.85, "density {density}");
     }
 
+    /// Fitting every second pixel of every second row says what fitting every pixel does.
+    #[test]
+    fn every_second_pixel_is_enough(seed in 0u64..1000, dx in -5.0f64..5.0, slope in -0.02f64..0.02) {
+        let texture = Texture::new(seed);
+        let shift = |x: f64| dx + slope * x;
+        // Right x + dx shows what left x shows.
+        let back = |u: f64| (u - dx) / (1.0 + slope);
+        let eyes = respond(SIZE, |x, y| texture.at(x, y), |x, y| texture.at(back(x), y));
+        let fitted = |sparse_scales| {
+            let params = MatchParams { sparse_scales, ..MatchParams::default() };
+            errors(&estimate(&eyes, params).unwrap(), |x, _| (shift(x), 0.0), 16)
+        };
+        let (every, second) = (fitted(0), fitted(2));
+        // Wider medians make up for fewer samples: neither error grows by more than what a mean over
+        // 10 000 pixels scatters by itself, and the answers are as many.
+        prop_assert!(second.0 < every.0 + 0.003 && second.1 < every.1 + 0.003, "{every:?} {second:?}");
+        prop_assert!(second.2 > every.2 - 0.02, "{every:?} {second:?}");
+    }
+
     /// The other eye's field, looked up where a pixel goes, undoes it.
     #[test]
     fn swapping_the_eyes_negates_the_field(seed in 0u64..1000, dx in -6.0f64..6.0, dy in -2.0f64..2.0) {

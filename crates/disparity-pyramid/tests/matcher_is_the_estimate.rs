@@ -60,15 +60,29 @@ fn settings(which: usize) -> MatchParams {
             ..default
         },
         MatchParams::as_published(),
+        MatchParams {
+            sparse_scales: 0,
+            ..default
+        },
+        MatchParams {
+            sparse_scales: 1,
+            covariance: true,
+            ..default
+        },
+        MatchParams {
+            sparse_scales: 9,
+            look_back_scale: 0,
+            ..default
+        },
     ][which]
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
+    #![proptest_config(ProptestConfig::with_cases(32))]
 
     #[test]
     fn in_one_visit_or_in_two(
-        width in 20usize..150, height in 20usize..90, seed: u64, which in 0usize..7,
+        width in 20usize..150, height in 20usize..90, seed: u64, which in 0usize..10,
         scales in 1usize..5, threads in 1usize..4, dx in -3.0f64..3.0, dy in -6.0f64..6.0,
     ) {
         let size = Size { width, height };

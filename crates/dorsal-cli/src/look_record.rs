@@ -75,6 +75,7 @@ pub(crate) struct Matching {
     zero_disparity_px: f32,
     warps: usize,
     finest_warps: usize,
+    sparse_scales: usize,
     robust_rounds: usize,
     medians: usize,
     median_width_px: usize,
@@ -208,6 +209,7 @@ impl Matching {
             zero_disparity_px: 0.0 - params.zero_disparity_px.0,
             warps: params.warps,
             finest_warps: params.finest_warps,
+            sparse_scales: params.sparse_scales,
             robust_rounds: params.robust_rounds,
             medians: params.medians,
             median_width_px: match params.median_radius {
