@@ -1,9 +1,11 @@
 use dorsal::allocentric_qsr::{Inference, QualitativeScene};
 use dorsal::disparity_pyramid::DisparityField;
 use dorsal::egocentric_depth::{
-    DepthMap, EgocentricScene, NoOrientation, RelativeOrientation, StereoRig,
+    DepthMap, EgocentricScene, NoOrientation, NotSegmentable, RelativeOrientation, StereoRig,
+    SupportPlane,
 };
 
+use crate::objects::Objects;
 use crate::searched::Searched;
 
 /// What one look gave, as far as its plan went.
@@ -18,6 +20,10 @@ pub(crate) struct Sight {
     /// vertical disparities.
     pub(crate) drift: Option<Result<RelativeOrientation, NoOrientation>>,
     pub(crate) depth: Option<DepthMap>,
+    /// The objects: those that were given, or those that were found.
+    pub(crate) objects: Option<Objects>,
+    /// What the found objects stand on, or why none could be looked for; nothing where that was not asked.
+    pub(crate) segmented: Option<Result<SupportPlane, NotSegmentable>>,
     pub(crate) scene: Option<Scene>,
 }
 
