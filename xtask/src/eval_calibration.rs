@@ -167,6 +167,8 @@ fn at_points(scene: &StereoScene, points: &[PointPair], pose: &Pose) -> anyhow::
     };
     let orient = |params: &OrientationParams| relative_orientation(&field, &start, params);
     let unheld = orient(&OrientationParams::of(&start))?;
+    let turned = DriftBelief::new(RigDrift::default(), &OrientationParams::TURNED)?;
+    let barred = orient(&OrientationParams::expecting(turned))?;
     // Eyes that were turned where they sit: nothing is known of the turn, all of the centres.
     let found: RelativeOrientation = if pose.metric {
         orient(&OrientationParams::expecting(turned_in_place()?))?
@@ -193,6 +195,7 @@ fn at_points(scene: &StereoScene, points: &[PointPair], pose: &Pose) -> anyhow::
         published: depths(&published),
         before: depths(&start),
         after: depths(&fixed),
+        after_barred: depths(&start.drifted(&barred.drift)?),
         after_unheld: depths(&start.drifted(&unheld.drift)?),
         found: found.into(),
     })

@@ -100,6 +100,9 @@ pub(crate) fn look(arguments: &LookArguments, out: &mut dyn Write) -> anyhow::Re
         let drift = DriftRecord::of(drift);
         writeln!(out, "drift     {}{applied}", drift.sentence())?;
     }
+    if let Some(segments) = sight.segments() {
+        writeln!(out, "objects   {}", segments.sentence())?;
+    }
     writeln!(out, "time      {}", times.sentence())?;
     writeln!(
         out,

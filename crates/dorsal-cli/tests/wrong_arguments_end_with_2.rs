@@ -36,6 +36,12 @@ fn values_are_checked_before_any_work() {
         ("--estimator magic", "vector"),
         ("--max-disparity far", "or auto"),
         ("--range far", "wide"),
+        ("--segment", "--rig"),
+        ("--estimator dense --rectify rig", "--rig"),
+        (
+            "--rig r.toml --segment --labels l.png",
+            "cannot be used with",
+        ),
         ("--range wide --scales 5", "cannot be used with"),
         ("--min-disparity 9999", "from -8000 to 8000"),
         (

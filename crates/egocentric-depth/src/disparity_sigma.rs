@@ -80,7 +80,7 @@ impl Default for DisparitySigma {
     /// The vector pyramid's, as `cargo xtask calibrate-confidence` fits it to twelve pairs;
     /// docs/confidence.md says how often it holds on a pair that was left out.
     fn default() -> Self {
-        Self::new([3.261, 0.412, 0.294, 0.244, 0.212, 0.186, 0.162, 0.158])
+        Self::new([8.128, 1.016, 0.772, 0.687, 0.641, 0.593, 0.541, 0.517])
     }
 }
 

@@ -158,9 +158,12 @@ fn ground(
     let lies = places.mapv(|place| {
         place.map(|place| support.height_m(place).abs() <= params.support.off_px * per_px(place))
     });
-    let visible = places
+    // An outline needs no more than every third row and column.
+    let some = places
         .indexed_iter()
-        .filter_map(|((y, x), place)| is_broad(&lies, (x, y)).then_some(foot((*place)?)));
+        .filter(|((y, x), _)| y % 3 == 0 && x % 3 == 0);
+    let visible =
+        some.filter_map(|((y, x), place)| is_broad(&lies, (x, y)).then_some(foot((*place)?)));
     let footprint = Footprint::about(visible.collect());
     let mut ground = Array2::from_elem(places.dim(), Ground::Unknown);
     Zip::from(&mut ground)
