@@ -98,8 +98,6 @@ pub(crate) struct PointRig {
     pub(crate) after: Option<Depths>,
     /// The same if the right centre is not held, and yaw expected as usual.
     pub(crate) after_unheld: Option<Depths>,
-    /// The same, with the right centre held as a bar holds it.
-    pub(crate) after_barred: Option<Depths>,
     pub(crate) found: Found,
 }
 
@@ -226,7 +224,6 @@ impl CalibrationRun {
             "points",
             "published",
             "put out",
-            "recalibrated, centre known",
             "recalibrated, centre on a bar",
             "recalibrated, nothing known",
         ]);
@@ -238,7 +235,6 @@ impl CalibrationRun {
                 Depths::words(row.published),
                 Depths::words(row.before),
                 Depths::words(row.after),
-                Depths::words(row.after_barred),
                 Depths::words(row.after_unheld),
             ]);
         }
@@ -372,10 +368,10 @@ impl fmt::Display for CalibrationRun {
              error, and the median distance of the reference points from their epipolar lines.\n\n{}\n\
              ## Depth at the reference points\n\n\
              Median and 90th percentile of the absolute error along the left optical axis, mm, from the \
-             vector disparity at the pixel nearest to each point, where it is valid. With the **centre known** the \
-             eye was turned where it sits, which is what was done to it; **on a bar** it may have moved by a \
-             thousandth of the baseline (`OrientationParams::TURNED`); with **nothing known** it may also \
-             have moved by a hundredth of the baseline, and its yaw is expected to be right to half a degree, \
+             vector disparity at the pixel nearest to each point, where it is valid. With the centre **on a bar** the \
+             eye has turned by anything and moved by a thousandth of the baseline at most (`OrientationParams::TURNED`, \
+             `dorsal calibrate --turned`); with **nothing known** it may also \
+             have moved by a hundredth of it, and its yaw is expected to be right to half a degree, \
              which here it is not.\n\n{}\n\
              ## Marks\n\n{}",
             self.injected_table(),

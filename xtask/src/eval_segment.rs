@@ -4,7 +4,9 @@ use anyhow::{Context, bail};
 use clap::Args;
 use disparity_pyramid::{EyeView, MatchParams};
 use dorsal::{DenseLook, Range, Rows};
-use egocentric_depth::{DepthMap, LabelImage, SegmentParams, StereoRig, segment, triangulate};
+use egocentric_depth::{
+    DepthMap, LabelImage, SegmentParams, StereoRig, segment, triangulate, triangulate_guesses,
+};
 use ndarray::{Array2, Array3, Axis};
 use stereo_formats::picture;
 use stereo_scenes::{Exposure, Room, View, render};
@@ -202,7 +204,10 @@ fn depth(
         look.disparity(&views, rig, &bank, matching)?
     } else {
         let responses = luma.as_ref().try_map(|eye| bank.respond(eye))?;
-        Range::Auto.disparity(&responses, matching)?.field
+        Range::Wide.disparity(&responses, matching)?.field
     };
-    Ok(triangulate(&field, rig))
+    Ok(match source {
+        Source::VectorGuesses => triangulate_guesses(&field, rig),
+        _ => triangulate(&field, rig),
+    })
 }

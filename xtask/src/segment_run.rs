@@ -21,16 +21,19 @@ pub(crate) enum Source {
     Truth,
     Dense,
     Vector,
+    /// The vector pyramid's best guess at every pixel.
+    VectorGuesses,
 }
 
 impl Source {
-    pub(crate) const ALL: [Self; 3] = [Self::Truth, Self::Dense, Self::Vector];
+    pub(crate) const ALL: [Self; 4] = [Self::Truth, Self::Dense, Self::Vector, Self::VectorGuesses];
 
     const fn name(self) -> &'static str {
         match self {
             Self::Truth => "the truth",
             Self::Dense => "dense estimator",
             Self::Vector => "vector pyramid",
+            Self::VectorGuesses => "vector pyramid, guesses too",
         }
     }
 
@@ -39,8 +42,8 @@ impl Source {
     const fn bounds(self) -> (f64, f64) {
         match self {
             Self::Truth => (95.0, 95.0),
-            Self::Dense => (90.0, 90.0),
-            Self::Vector => (85.0, 85.0),
+            Self::Dense => (85.0, 85.0),
+            Self::Vector | Self::VectorGuesses => (50.0, 40.0),
         }
     }
 }

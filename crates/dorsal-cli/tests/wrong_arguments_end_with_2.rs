@@ -22,6 +22,10 @@ fn what_is_missing_or_unknown_is_named() {
     refused("flow frame1.png --out o", "<NEXT>");
     refused("v1 left.png", "--out <DIR>");
     refused("calibrate l.png r.png --rig rig.toml", "--out <FIXED.toml>");
+    refused(
+        "calibrate l.png r.png --rig rig.toml --out o.toml --turned --yaw-sigma 1",
+        "cannot be used with",
+    );
     refused("rig convert", "<RIG>");
     refused("tables --case 1", "--system <SYSTEM>");
 }

@@ -61,7 +61,7 @@ pub(crate) fn grow(
                 Ground::Unknown => true,
                 Ground::Above => {
                     let known = joints.parallax_px[there];
-                    (known - parallax[here]).abs() <= joints.step_px
+                    (known - parallax[here]).abs() <= joints.most_step_px(known)
                 }
                 Ground::Support | Ground::Elsewhere => false,
             };

@@ -9,6 +9,9 @@ pub(crate) struct Joints<'a> {
     /// The inverse depth of every pixel, as pixels of disparity; NaN where unknown.
     pub(crate) parallax_px: ArrayView2<'a, f32>,
     pub(crate) contrast: &'a Contrast,
+    /// The parallax at a depth of one metre, px.
+    pub(crate) of_a_metre_px: f32,
+    pub(crate) gap_m: f32,
     pub(crate) step_px: f32,
     pub(crate) colour_step: f32,
 }
@@ -19,11 +22,20 @@ impl Joints<'_> {
         1.0 + self.contrast.across(from, to) / self.colour_step
     }
 
+    /// The step of parallax that a surface may take at one: a gap in metres, or what disparities are wrong
+    /// by where that is more.
+    pub(crate) fn most_step_px(&self, parallax_px: f32) -> f32 {
+        let gap_px = self.gap_m * parallax_px * parallax_px / self.of_a_metre_px;
+        gap_px.max(self.step_px)
+    }
+
     /// Whether two pixels of known depth may belong to one surface. Colours alone never part them: a
     /// surface may be painted in many.
     fn hold(&self, from: (usize, usize), to: (usize, usize)) -> bool {
-        let step = (self.parallax_px[[to.1, to.0]] - self.parallax_px[[from.1, from.0]]).abs();
-        step <= self.step_px && step * self.weight(from, to) <= self.step_px
+        let here = self.parallax_px[[from.1, from.0]];
+        let step = (self.parallax_px[[to.1, to.0]] - here).abs();
+        let most = self.most_step_px(here);
+        step <= most && step * self.weight(from, to) <= most
     }
 }
 

@@ -22,10 +22,12 @@ pub struct SegmentParams {
     pub disparity_sigma_px: f64,
     /// How far the foot of a surface may be outside of the plane's visible part, in metres.
     pub margin_m: f64,
-    /// Between neighbours of one object depth changes by no more than this, in pixels of disparity;
-    /// where the colours change too, by less.
+    /// Between neighbours of one object depth changes by no more than this, in metres; where the colours
+    /// change too, by less.
+    pub gap_m: f32,
+    /// The same in pixels of disparity, where that is more: no step so small tells two surfaces apart.
     pub step_px: f32,
-    /// The change of colour, of 1 from black to white, that halves [`SegmentParams::step_px`].
+    /// The change of colour, of 1 from black to white, that halves both.
     pub colour_step: f32,
     /// How far a region grows over pixels of unknown depth, in pixels, fewer where the colours change.
     pub reach_px: u16,
@@ -41,6 +43,7 @@ impl Default for SegmentParams {
             least_height_m: 0.012,
             disparity_sigma_px: 0.25,
             margin_m: 0.01,
+            gap_m: 0.015,
             step_px: 1.0,
             colour_step: 0.25,
             reach_px: 8,
@@ -112,6 +115,8 @@ pub fn segment(
     let joints = Joints {
         parallax_px: parallax.view(),
         contrast: &contrast,
+        of_a_metre_px: parallax_of_a_metre(rig) as f32,
+        gap_m: params.gap_m,
         step_px: params.step_px,
         colour_step: params.colour_step,
     };

@@ -9,13 +9,13 @@ use crate::{Head, Pattern, Room, Shape, Texture, Thing, Walls};
 /// one may hide a part of another but none touches another.
 pub(crate) fn random_room(seed: u32) -> Room {
     let mut draw = Draw(mix(seed ^ 0x00DD_BA11));
-    let size_m = [draw.from(2.6, 3.4), draw.from(2.4, 3.0), 2.4];
+    let size_m = [draw.from(2.6, 3.4), draw.from(2.6, 3.2), 2.4];
     let middle = size_m[0] / 2.0;
     let table_m = [draw.from(1.0, 1.4), draw.from(0.7, 1.0)];
     let top_m = draw.from(0.65, 0.8);
-    let position_m = [middle, 0.4, top_m + draw.from(0.40, 0.55)];
+    let position_m = [middle, 0.4, top_m + draw.from(0.45, 0.60)];
     // Its near edge is an arm's length away.
-    let table_y = position_m[1] + draw.from(0.40, 0.50) + table_m[1] / 2.0;
+    let table_y = position_m[1] + draw.from(0.60, 0.70) + table_m[1] / 2.0;
     const THICK_M: f64 = 0.03;
     let table = Thing {
         name: "table top".to_owned(),
