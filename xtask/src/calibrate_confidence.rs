@@ -1,12 +1,13 @@
 use std::path::PathBuf;
 
-use anyhow::bail;
+use anyhow::{Context, bail};
 use clap::Args;
 use disparity_pyramid::{MatchParams, estimate_near_first};
+use egocentric_depth::{roughness_px, scatter};
 use stereo_formats::scene_folder::{self, StereoScene};
 use v1_gabor::{FilterBank, GaborParams};
 
-use crate::confidence_run::{ConfidenceRun, Sample};
+use crate::confidence_run::{ConfidenceRun, Pixel, Sample};
 use crate::data_folder;
 use crate::date;
 use crate::docs_folder::docs_folder;
@@ -32,6 +33,9 @@ pub(crate) struct Options {
     /// Write the page of results to this file; without it, to docs/confidence.md
     #[arg(long, value_name = "FILE")]
     results: Option<PathBuf>,
+    /// Write the reliability diagrams to this file; without it, to docs/pictures/confidence.svg
+    #[arg(long, value_name = "FILE")]
+    picture: Option<PathBuf>,
     /// Fail if the mark is missed
     #[arg(long)]
     check: bool,
@@ -62,15 +66,21 @@ pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
     if let Some(path) = options.results.clone().or_else(docs) {
         write_file(&path, run.page().as_bytes())?;
     }
+    let pictures = || docs_folder().map(|docs| docs.join("pictures/confidence.svg"));
+    if let Some(path) = options.picture.clone().or_else(pictures) {
+        write_file(&path, run.picture().as_bytes())?;
+    }
     match run.missed() {
         Some(missed) if options.check => bail!(missed),
         _ => Ok(()),
     }
 }
 
-/// Confidence and error of every valid pixel of known truth; `None` of a pair without dense truth, or
-/// whose truth is rounded to whole pixels.
+/// What is known of the valid pixels of known truth, and their errors; `None` of a pair without dense
+/// truth, or whose truth is rounded to whole pixels.
 fn sample(scene: &StereoScene) -> anyhow::Result<Option<Sample>> {
+    // Pixels beside one another say the same; so many of a pair leave a tenth of a per cent.
+    const PIXELS: usize = 60_000;
     let description = &scene.description;
     if description.integer_truth || !description.rectified {
         return Ok(None);
@@ -86,14 +96,32 @@ fn sample(scene: &StereoScene) -> anyhow::Result<Option<Sample>> {
     };
     let bank = FilterBank::plan(gabor, eyes.left.size())?;
     let responses = eyes.as_ref().try_map(|eye| bank.respond(eye.luma()))?;
-    let field = estimate_near_first(&responses, MatchParams::default())?.field;
-    let pairs = truth.indexed_iter().filter_map(|((y, x), &d)| {
-        let found = field.at(x, y)?;
-        d.is_finite()
-            .then(|| (found.confidence, (found.dx + d).abs()))
-    });
+    let matching = MatchParams {
+        covariance: true,
+        ..MatchParams::default()
+    };
+    let field = estimate_near_first(&responses, matching)?.field;
+    let covariance = field.covariance().context("a field without covariance")?;
+    let scatter = scatter(&field);
+    let known = || {
+        truth.indexed_iter().filter_map(|((y, x), &d)| {
+            let found = field.at(x, y).filter(|_| d.is_finite())?;
+            Some((found, covariance[[y, x]], scatter[[y, x]]?, d))
+        })
+    };
+    let step = known().count().div_ceil(PIXELS).max(1);
+    let pixels = known()
+        .step_by(step)
+        .map(|(found, covariance, scatter, d)| Pixel {
+            error_px: (found.dx + d).abs(),
+            confidence: found.confidence,
+            sigma_dx_px: covariance.sigma_dx(),
+            scatter_px: scatter.0,
+        });
     Ok(Some(Sample {
         scene: description.name.clone(),
-        pairs: pairs.collect(),
+        pixels: pixels.collect(),
+        roughness_px: roughness_px(&field).context("a field without answers")?,
+        unanswered: 1.0 - field.density(),
     }))
 }

@@ -224,7 +224,7 @@ impl CalibrationRun {
             "points",
             "published",
             "put out",
-            "recalibrated, centre known",
+            "recalibrated, centre on a bar",
             "recalibrated, nothing known",
         ]);
         for row in self.points.iter().filter(|row| row.published.is_some()) {
@@ -368,9 +368,10 @@ impl fmt::Display for CalibrationRun {
              error, and the median distance of the reference points from their epipolar lines.\n\n{}\n\
              ## Depth at the reference points\n\n\
              Median and 90th percentile of the absolute error along the left optical axis, mm, from the \
-             vector disparity at the pixel nearest to each point, where it is valid. With the **centre known** the \
-             eye was turned where it sits, which is what was done to it; with **nothing known** it may also \
-             have moved by a hundredth of the baseline, and its yaw is expected to be right to half a degree, \
+             vector disparity at the pixel nearest to each point, where it is valid. With the centre **on a bar** the \
+             eye has turned by anything and moved by a thousandth of the baseline at most (`OrientationParams::TURNED`, \
+             `dorsal calibrate --turned`); with **nothing known** it may also \
+             have moved by a hundredth of it, and its yaw is expected to be right to half a degree, \
              which here it is not.\n\n{}\n\
              ## Marks\n\n{}",
             self.injected_table(),

@@ -167,9 +167,10 @@ fn at_points(scene: &StereoScene, points: &[PointPair], pose: &Pose) -> anyhow::
     };
     let orient = |params: &OrientationParams| relative_orientation(&field, &start, params);
     let unheld = orient(&OrientationParams::of(&start))?;
-    // Eyes that were turned where they sit: nothing is known of the turn, all of the centres.
+    // Eyes that were turned where they sit, which is what is expected of them.
     let found: RelativeOrientation = if pose.metric {
-        orient(&OrientationParams::expecting(turned_in_place()?))?
+        let turned = DriftBelief::new(RigDrift::default(), &OrientationParams::TURNED)?;
+        orient(&OrientationParams::expecting(turned))?
     } else {
         unheld
     };
@@ -196,20 +197,6 @@ fn at_points(scene: &StereoScene, points: &[PointPair], pose: &Pose) -> anyhow::
         after_unheld: depths(&start.drifted(&unheld.drift)?),
         found: found.into(),
     })
-}
-
-/// Nothing is expected of the turn, and of the centres that they are where they should be, to a ten
-/// thousandth of the baseline.
-fn turned_in_place() -> anyhow::Result<DriftBelief> {
-    const PLACED: f64 = 1e-4;
-    let sigma = RigDrift {
-        pitch_rad: f64::INFINITY,
-        yaw_rad: f64::INFINITY,
-        roll_rad: f64::INFINITY,
-        down: PLACED,
-        forward: PLACED,
-    };
-    Ok(DriftBelief::new(RigDrift::default(), &sigma)?)
 }
 
 fn published(pose: &Pose) -> anyhow::Result<StereoRig> {

@@ -2,10 +2,11 @@ use std::path::PathBuf;
 
 use anyhow::{Context, bail};
 use clap::Args;
-use disparity_pyramid::{DisparityField, MatchParams, estimate, estimate_near_first};
+use disparity_pyramid::{DisparityField, EyeView, MatchParams, estimate, estimate_near_first};
+use dorsal::DenseLook;
 use egocentric_depth::{
     Attitude, CameraIntrinsics, DepthMap, DriftBelief, Lens, OrientationParams, RigDrift,
-    StereoRig, relative_orientation, triangulate,
+    StereoRig, relative_orientation, triangulate, triangulate_guesses,
 };
 use ndarray::Array2;
 use stereo_scenes::{Exposure, Gaze, Head, Room, View, render};
@@ -274,7 +275,7 @@ fn taken(light: &LumaImage, seed: u64) -> anyhow::Result<LumaImage> {
     Ok(LumaImage::new(codes.mapv(|code| f32::from(code) / 255.0))?)
 }
 
-/// The metric pair of the data: depth by the vector pyramid against the truth.
+/// The metric pair of the data: depth by either estimator against the truth.
 fn real(data: &std::path::Path) -> anyhow::Result<Vec<RealDepth>> {
     let mut rows = Vec::new();
     for scene in stereo_formats::scene_folder::stereo_scenes(data)? {
@@ -293,7 +294,14 @@ fn real(data: &std::path::Path) -> anyhow::Result<Vec<RealDepth>> {
         };
         let bank = FilterBank::plan(gabor, eyes.left.size())?;
         let responses = eyes.as_ref().try_map(|eye| bank.respond(eye.luma()))?;
-        let field = estimate_near_first(&responses, MatchParams::default())?.field;
+        let matching = MatchParams::default();
+        let vector = estimate_near_first(&responses, matching)?.field;
+        drop(responses);
+        let views = eyes.as_ref().map(|eye| EyeView {
+            luma: eye.luma(),
+            rgb: Some(eye.rgb()),
+        });
+        let dense = DenseLook::default().disparity(&views, &rig, &bank, matching)?;
         let shift = Array2::zeros(truth.dim());
         let valid = truth.mapv(|d| {
             if d.is_finite() {
@@ -305,12 +313,16 @@ fn real(data: &std::path::Path) -> anyhow::Result<Vec<RealDepth>> {
         let dx = truth.mapv(|d| if d.is_finite() { -d } else { 0.0 });
         let sure = Array2::ones(truth.dim());
         let true_field = DisparityField::new(dx, shift, sure, valid)?;
-        let depth: DepthMap = triangulate(&field, &rig);
-        rows.extend(RealDepth::by_distance(
-            &scene.description.name,
-            &depth,
-            &triangulate(&true_field, &rig),
-        ));
+        let true_depth = triangulate(&true_field, &rig);
+        let depths: [(&'static str, DepthMap); 3] = [
+            ("vector, valid", triangulate(&vector, &rig)),
+            ("dense, valid", triangulate(&dense, &rig)),
+            ("dense, everywhere", triangulate_guesses(&dense, &rig)),
+        ];
+        for (by, depth) in depths {
+            let scene = &scene.description.name;
+            rows.extend(RealDepth::by_distance(scene, by, &depth, &true_depth));
+        }
     }
     Ok(rows)
 }

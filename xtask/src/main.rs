@@ -38,6 +38,7 @@ mod eval_depth;
 mod eval_flow;
 mod eval_middlebury;
 mod eval_robustness;
+mod eval_segment;
 mod eval_vergent;
 mod evaluation;
 mod export_gqr;
@@ -45,6 +46,7 @@ mod flow_errors;
 mod flow_page;
 mod flow_run;
 mod homography;
+mod label_sheet;
 mod lot;
 mod machine;
 mod manifest;
@@ -70,6 +72,7 @@ mod robustness_series;
 mod rows_only;
 mod score;
 mod score_tables;
+mod segment_run;
 mod sha256;
 mod soak_memory;
 mod sparsification;
@@ -112,6 +115,7 @@ enum Task {
     #[command(name = "compare-opencv")]
     CompareOpencv(compare_opencv::Options),
     EvalRobustness(eval_robustness::Options),
+    EvalSegment(eval_segment::Options),
     EvalVergent(eval_vergent::Options),
     PopulationPictures(population_pictures::Options),
 }
@@ -133,6 +137,7 @@ fn main() -> ExitCode {
         Task::CalculusResults(options) => calculus_results::run(&options),
         Task::CompareOpencv(options) => compare_opencv::run(&options),
         Task::EvalRobustness(options) => eval_robustness::run(&options),
+        Task::EvalSegment(options) => eval_segment::run(&options),
         Task::EvalVergent(options) => eval_vergent::run(&options),
         Task::PopulationPictures(options) => population_pictures::run(&options),
     };

@@ -2,7 +2,9 @@ use std::io::Write;
 
 use anyhow::Context as _;
 use dorsal::disparity_pyramid::MatchParams;
-use dorsal::egocentric_depth::{OrientationParams, RigDrift, StereoRig, relative_orientation};
+use dorsal::egocentric_depth::{
+    DriftBelief, OrientationParams, RigDrift, StereoRig, relative_orientation,
+};
 use dorsal::v1_gabor::{Binocular, FilterBank, GaborParams};
 use stereo_formats::picture;
 use stereo_formats::rig_toml::{self, SizedRig};
@@ -44,9 +46,15 @@ pub(crate) fn calibrate(arguments: &CalibrateArguments, out: &mut dyn Write) -> 
     drop(responses);
 
     console.step("orienting the right eye");
+    let expected = if arguments.turned {
+        let turned = DriftBelief::new(RigDrift::default(), &OrientationParams::TURNED)?;
+        OrientationParams::expecting(turned)
+    } else {
+        OrientationParams::of(&rig)
+    };
     let params = OrientationParams {
         matches: MATCHES,
-        ..OrientationParams::of(&rig)
+        ..expected
     };
     let orientation = relative_orientation(&found.field, &rig, &params).context(
         "the scene is degenerate: it does not tell where the right eye is, and the rig stays as it is",

@@ -33,6 +33,12 @@ pub(crate) struct CalibrateArguments {
     #[arg(long, value_name = "SHARE", value_parser = degrees)]
     pub(crate) slip_sigma: Option<f64>,
 
+    /// The rig was calibrated, and its eyes have since turned but not moved, as a knock or a slack gear
+    /// turns them: nothing is expected of pitch, yaw and roll, and the centres sit where they should to a
+    /// thousandth of the baseline
+    #[arg(long, conflicts_with_all = ["yaw_sigma", "slip_sigma"])]
+    pub(crate) turned: bool,
+
     /// Where the vector pyramid searches
     #[arg(long, value_enum, default_value = "auto")]
     pub(crate) range: RangeChoice,
@@ -61,6 +67,7 @@ every depth, and a calibration that starts from it takes them as what is expecte
 Examples:
   dorsal calibrate left.png right.png --rig rig.toml --out rig.fixed.toml
   dorsal calibrate left.png right.png --rig rig.toml --out rig.fixed.toml --yaw-sigma 0.2
+  dorsal calibrate left.png right.png --rig rig.toml --out rig.fixed.toml --turned
   dorsal calibrate next_left.png next_right.png --rig rig.fixed.toml --out rig.fixed.toml
       Look after look: each starts from what the last one knew.
 

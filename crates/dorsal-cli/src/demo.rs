@@ -115,6 +115,7 @@ fn plan(scene: &DemoScene) -> anyhow::Result<Plan> {
         rig: Some(scene.rig),
         recalibrate: false,
         objects: Some(scene.objects.clone()),
+        segmenting: None,
         locating: LocateParams::default(),
         reference: DepthReference::robot_120(),
         qualifying: QualifyParams::default(),

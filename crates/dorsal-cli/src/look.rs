@@ -3,9 +3,9 @@ use std::path::Path;
 
 use dorsal::allocentric_qsr::QualifyParams;
 use dorsal::disparity_pyramid::{DenseParams, MatchParams, SearchRange};
-use dorsal::egocentric_depth::LocateParams;
+use dorsal::egocentric_depth::{LocateParams, SegmentParams, StereoRig};
 use dorsal::v1_gabor::{Binocular, GaborParams, Size};
-use dorsal::{DenseLook, Range, Search};
+use dorsal::{DenseLook, Range, Rows, Search};
 use stereo_formats::picture;
 
 use crate::console::Console;
@@ -67,6 +67,10 @@ pub(crate) fn look(arguments: &LookArguments, out: &mut dyn Write) -> anyhow::Re
         console.note("the rig is not recalibrated: the look does not tell where the right eye is");
     }
 
+    if let Some(Err(reason)) = &sight.segmented {
+        console.note(&format!("no objects: {reason}"));
+    }
+
     console.step("writing");
     let record = LookRecord::new(&plan, &sight, &times, inputs(arguments), arguments.dense);
     let median_px = record.median_disparity_px();
@@ -75,7 +79,7 @@ pub(crate) fn look(arguments: &LookArguments, out: &mut dyn Write) -> anyhow::Re
     times.measure("writing", || files.write(&arguments.out))?;
     console.clear();
 
-    if let (Some(scene), Some(rig), Some(objects)) = (&sight.scene, &sight.rig, &plan.objects) {
+    if let (Some(scene), Some(rig), Some(objects)) = (&sight.scene, &sight.rig, &sight.objects) {
         writeln!(out, "{}", object_table(scene, rig, &objects.names))?;
         writeln!(out, "{}", relation_table(&scene.qualitative))?;
     }
@@ -95,6 +99,9 @@ pub(crate) fn look(arguments: &LookArguments, out: &mut dyn Write) -> anyhow::Re
         };
         let drift = DriftRecord::of(drift);
         writeln!(out, "drift     {}{applied}", drift.sentence())?;
+    }
+    if let Some(segments) = sight.segments() {
+        writeln!(out, "objects   {}", segments.sentence())?;
     }
     writeln!(out, "time      {}", times.sentence())?;
     writeln!(
@@ -126,7 +133,7 @@ fn plan(arguments: &LookArguments, size: Size) -> anyhow::Result<Plan> {
         MatchParams::default()
     };
     Ok(Plan {
-        estimator: estimator(arguments)?,
+        estimator: estimator(arguments, rig.as_ref())?,
         gabor: gabor.fitted_to(size),
         matching: MatchParams {
             energy_threshold: arguments.energy_threshold.unwrap_or(steps.energy_threshold),
@@ -142,6 +149,7 @@ fn plan(arguments: &LookArguments, size: Size) -> anyhow::Result<Plan> {
         rig,
         recalibrate: arguments.recalibrate,
         objects,
+        segmenting: arguments.segment.then(SegmentParams::default),
         locating: LocateParams::default(),
         reference: reference_system(&arguments.system)?,
         qualifying: QualifyParams::default(),
@@ -149,7 +157,10 @@ fn plan(arguments: &LookArguments, size: Size) -> anyhow::Result<Plan> {
 }
 
 /// The estimator that is asked for; the command line speaks the sign of files.
-fn estimator(arguments: &LookArguments) -> anyhow::Result<dorsal::Estimator> {
+fn estimator(
+    arguments: &LookArguments,
+    rig: Option<&StereoRig>,
+) -> anyhow::Result<dorsal::Estimator> {
     if arguments.estimator == Estimator::Vector {
         return Ok(dorsal::Estimator::Vector(arguments.range()));
     }
@@ -167,7 +178,13 @@ fn estimator(arguments: &LookArguments) -> anyhow::Result<dorsal::Estimator> {
             Preset::Best => DenseParams::best(),
         },
         search,
-        align_rows: arguments.rectify == Rectify::Auto,
+        rows: match arguments.rectify {
+            Some(Rectify::None) => Rows::AsTaken,
+            Some(Rectify::Auto) => Rows::Aligned,
+            Some(Rectify::Rig) => Rows::Rectified,
+            None if rig.is_some_and(|rig| !rig.is_rectified()) => Rows::Rectified,
+            None => Rows::AsTaken,
+        },
     }))
 }
 

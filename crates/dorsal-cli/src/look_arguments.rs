@@ -37,10 +37,10 @@ pub(crate) struct LookArguments {
     #[arg(long, value_name = "N", value_parser = pixels, allow_negative_numbers = true)]
     pub(crate) min_disparity: Option<i32>,
 
-    /// Align the right picture's rows with the left one's before the dense estimator looks, by what
-    /// the vector pyramid sees: for a rig whose calibration is missing or cannot be trusted
-    #[arg(long, value_enum, default_value = "none")]
-    pub(crate) rectify: Rectify,
+    /// How the rows of both pictures come to correspond before the dense estimator looks [default: rig
+    /// if --rig says that they do not, else none]
+    #[arg(long, value_enum)]
+    pub(crate) rectify: Option<Rectify>,
 
     /// Write the best guess where the disparity is unknown; depth and objects never rest on
     /// guesses
@@ -49,7 +49,7 @@ pub(crate) struct LookArguments {
 
     /// The two cameras: rig.toml, Middlebury's calib.txt, Kalibr's camchain, OpenCV's YAML or XML; gives
     /// depth in metres (see dorsal rig convert)
-    #[arg(long, value_name = "RIG.toml")]
+    #[arg(long, value_name = "RIG.toml", required_if_eq("rectify", "rig"))]
     pub(crate) rig: Option<PathBuf>,
 
     /// Take depth with the rig as this look says it is: the right eye's slip, which every look with
@@ -66,6 +66,11 @@ pub(crate) struct LookArguments {
     /// of outlines has its own
     #[arg(long, value_name = "NAMES.toml", requires = "labels")]
     pub(crate) names: Option<PathBuf>,
+
+    /// Find the objects without labels: what stands on a table or on the ground; they are called object-1,
+    /// object-2, ... from left to right; needs --rig
+    #[arg(long, requires = "rig", conflicts_with = "labels")]
+    pub(crate) segment: bool,
 
     /// The distance classes: drs1, drs2, robot-150, robot-120 or a TOML file
     #[arg(long, value_name = "SYSTEM", default_value = "robot-120")]
@@ -156,13 +161,17 @@ pub(crate) enum Preset {
     Best,
 }
 
-/// Whether rows are aligned first.
+/// Whether and how rows are aligned first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Rectify {
     /// The pair is rectified
     None,
-    /// One line a row, fitted to the vertical disparities
+    /// One line a row, fitted to the vertical disparities that the vector pyramid sees: for a rig whose
+    /// calibration is missing or cannot be trusted
     Auto,
+    /// By the rig, whatever its attitude and its lenses; the results belong to the left picture as it was
+    /// taken, with vertical disparities. --max-disparity counts in the rectified pair
+    Rig,
 }
 
 /// The far end of the dense estimator's search.
@@ -182,6 +191,8 @@ Files written:
   confidence.pfm  0 to 1
   sigma_dx.pfm    one standard deviation of dx, and of dy in sigma_dy.pfm, in pixels; +inf
                   unknown (the vector pyramid's alone)
+  sigma.pfm       with --rig: one standard deviation of d as real pairs have it, in pixels, which
+                  depth and objects carry; +inf unknown (the vector pyramid's alone)
   validity.png    255 valid, 200 inconsistent, 150 occluded, 100 out of view, 50 incoherent,
                   25 singular, 0 no energy
   look.json       parameters, densities, times
@@ -189,6 +200,7 @@ Files written:
                   (16 bits, millimetres, 0 unknown), cloud.ply
   --recalibrate   rig.fixed.toml
   with --labels   scene.json: objects, egocentric and allocentric relations
+  with --segment  the same, label_image.png (what --labels takes) and labels.png (a picture of it)
 
 Examples:
   dorsal look left.png right.png --out out --dense
@@ -198,7 +210,9 @@ Examples:
   dorsal look left.png right.png --out out --range wide
   dorsal look left.png right.png --out out --rig rig.toml --scales 7 --zero-disparity 40
   dorsal look left.png right.png --out out --rig rig.toml --recalibrate
+  dorsal look left.png right.png --out out --rig rig.toml --estimator dense
   dorsal look left.png right.png --out out --rig rig.toml --labels labels.png --names names.toml
+  dorsal look left.png right.png --out out --rig rig.toml --segment
 
 A rig.toml reads:
   baseline_m = 0.27

@@ -1,13 +1,14 @@
 use dorsal::disparity_pyramid::ShiftCovariance;
-use dorsal::egocentric_depth::{DisparitySigma, normals, point_cloud};
+use dorsal::egocentric_depth::{normals, point_cloud};
 use dorsal::v1_gabor::Binocular;
 use ndarray::ArrayView2;
 use stereo_formats::colour::{self, ColourRange};
 use stereo_formats::picture::{self, Picture};
 use stereo_formats::ply::{self, CloudPoint};
 use stereo_formats::rig_toml::{self, SizedRig};
-use stereo_formats::{NotAPng, depth_png, file_sign, flo, pfm, scale_bar, validity_png};
+use stereo_formats::{NotAPng, depth_png, file_sign, flo, label_png, pfm, scale_bar, validity_png};
 
+use crate::label_picture::label_picture;
 use crate::look_record::LookRecord;
 use crate::outputs::Outputs;
 use crate::plan::Plan;
@@ -41,6 +42,9 @@ pub(crate) fn look_files<'a>(
     });
     if let (Some(depth), Some(rig)) = (&sight.depth, &sight.rig) {
         files.add("depth.pfm", || pfm::encode(depth.metres()));
+        if let Some(sigma_px) = depth.disparity_sigma_px() {
+            files.add("sigma.pfm", move || pfm::encode(sigma_px));
+        }
         files.add("depth.png", || {
             coloured_png(depth.metres(), ColourRange::covering(depth.metres()))
         });
@@ -59,11 +63,12 @@ pub(crate) fn look_files<'a>(
         files.add("cloud.ply", || {
             let colours = eyes.left.rgb();
             let facing = normals(depth, rig);
-            let disparity_sigma = DisparitySigma::default();
+            let own = depth.disparity_sigma_px();
+            let any_px = plan.locating.disparity_sigma_px;
             let points = point_cloud(depth, rig).map(|point| {
                 let at = [point.pixel.1, point.pixel.0];
                 let normal = facing[at];
-                let sigma_px = disparity_sigma.px(field.confidence()[at]);
+                let sigma_px = own.map_or(any_px, |own| f64::from(own[at]));
                 CloudPoint {
                     position_m: point.position.to_array().map(|metres| metres as f32),
                     normal: if normal[0].is_nan() { [0.0; 3] } else { normal },
@@ -75,9 +80,15 @@ pub(crate) fn look_files<'a>(
             anyhow::Ok(ply::encode(&points))
         });
     }
-    if let (Some(scene), Some(rig), Some(objects)) = (&sight.scene, &sight.rig, &plan.objects) {
+    if let (Some(scene), Some(rig), Some(objects)) = (&sight.scene, &sight.rig, &sight.objects) {
         files.add("scene.json", move || {
             serde_json::to_vec_pretty(&SceneRecord::new(scene, rig, &objects.names))
+        });
+    }
+    if let (Some(_), Some(objects)) = (&sight.segmented, &sight.objects) {
+        files.add("label_image.png", || label_png::encode(&objects.labels));
+        files.add("labels.png", || {
+            picture::encode_rgb(label_picture(eyes.left.rgb(), &objects.labels).view())
         });
     }
     record.files = files.names();

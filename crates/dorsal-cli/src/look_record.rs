@@ -2,7 +2,7 @@ use dorsal::disparity_pyramid::{
     Acuity, Cost, DisparityField, LookBack, MatchParams, MedianRadius, Validity,
 };
 use dorsal::v1_gabor::GaborParams;
-use dorsal::{DenseLook, Estimator};
+use dorsal::{DenseLook, Estimator, Rows};
 use serde::Serialize;
 use stereo_formats::file_sign;
 
@@ -10,6 +10,7 @@ use crate::drift_record::DriftRecord;
 use crate::outputs::FileName;
 use crate::plan::Plan;
 use crate::searched::{Searched, StartRecord};
+use crate::segment_record::SegmentRecord;
 use crate::sight::Sight;
 use crate::times::Times;
 
@@ -43,6 +44,9 @@ pub(crate) struct LookRecord {
     drift: Option<DriftRecord>,
     /// Whether depth was taken with that corrected.
     recalibrated: bool,
+    /// What was found without labels.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    segments: Option<SegmentRecord>,
     threads: usize,
     time_ms: Times,
     /// The files beside this one.
@@ -99,6 +103,8 @@ struct Search {
 
 #[derive(Debug, Serialize)]
 struct DenseMatching {
+    /// How rows came to correspond.
+    rows: &'static str,
     cost: &'static str,
     silent_energy: f32,
     colour: bool,
@@ -178,6 +184,7 @@ impl LookRecord {
                 }),
             drift: sight.drift.as_ref().map(DriftRecord::of),
             recalibrated: plan.recalibrate && matches!(sight.drift, Some(Ok(_))),
+            segments: sight.segments(),
             threads: rayon::current_num_threads(),
             time_ms: times.clone(),
             files: Vec::new(),
@@ -239,10 +246,15 @@ impl Search {
 
 impl DenseMatching {
     fn of(estimator: &Estimator) -> Option<Self> {
-        let Estimator::Dense(DenseLook { params, .. }) = estimator else {
+        let Estimator::Dense(DenseLook { params, rows, .. }) = estimator else {
             return None;
         };
         Some(Self {
+            rows: match rows {
+                Rows::AsTaken => "as taken",
+                Rows::Aligned => "aligned",
+                Rows::Rectified => "rectified by the rig",
+            },
             cost: match params.cost {
                 Cost::PhaseAgreement => "phase agreement",
                 Cost::PhaseQuadrants => "phase quadrants",

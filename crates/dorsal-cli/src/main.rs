@@ -44,6 +44,7 @@ mod room;
 mod scene_file;
 mod scene_record;
 mod searched;
+mod segment_record;
 mod sight;
 mod tables;
 mod tables_arguments;

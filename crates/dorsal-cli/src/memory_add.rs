@@ -48,9 +48,18 @@ fn observe(
         return Ok(memory.observe(look, &NoDepth));
     };
     let rig = rig_toml::read(rig)?;
-    let beside = || scene.with_file_name("depth.pfm");
-    let depth = pfm::read(arguments.depth.clone().unwrap_or_else(beside))?;
-    let depth = DepthMap::new(depth);
+    let path = arguments
+        .depth
+        .clone()
+        .unwrap_or_else(|| scene.with_file_name("depth.pfm"));
+    let mut depth = DepthMap::new(pfm::read(&path)?);
+    // A look by the vector pyramid leaves the disparities' own error beside the depth.
+    let sigma = path.with_file_name("sigma.pfm");
+    if sigma.is_file() {
+        depth = depth
+            .with_disparity_sigma(pfm::read(&sigma)?)
+            .with_context(|| format!("{} and {}", sigma.display(), path.display()))?;
+    }
     let evidence = DepthEvidence::new(
         &depth,
         &rig,

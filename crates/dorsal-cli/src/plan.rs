@@ -2,11 +2,11 @@ use anyhow::Context as _;
 use dorsal::allocentric_qsr::{DepthReference, Inference, Mode, QualifyParams, QualitativeScene};
 use dorsal::disparity_pyramid::{DisparityField, EyeView, MatchParams, RowAlignment};
 use dorsal::egocentric_depth::{
-    LocateParams, NoOrientation, OrientationParams, RelativeOrientation, StereoRig, locate,
-    relative_orientation, triangulate,
+    DepthMap, DisparitySigma, LocateParams, NoOrientation, OrientationParams, RelativeOrientation,
+    SegmentParams, Segmentation, StereoRig, locate, relative_orientation, segment, triangulate,
 };
 use dorsal::v1_gabor::{Binocular, FilterBank, GaborParams};
-use dorsal::{DenseLook, Estimator, Range, sightings};
+use dorsal::{DenseLook, Estimator, Names, Range, RectifiedEyes, Rows, sightings};
 use stereo_formats::picture::Picture;
 
 use crate::console::Console;
@@ -24,7 +24,10 @@ pub(crate) struct Plan {
     pub(crate) rig: Option<StereoRig>,
     /// Whether depth is taken with the rig as the look itself says it is.
     pub(crate) recalibrate: bool,
+    /// The objects, if they are known.
     pub(crate) objects: Option<Objects>,
+    /// How objects are found in the depth, if they are to be.
+    pub(crate) segmenting: Option<SegmentParams>,
     pub(crate) locating: LocateParams,
     pub(crate) reference: DepthReference,
     pub(crate) qualifying: QualifyParams,
@@ -61,10 +64,27 @@ impl Plan {
         };
 
         console.step("triangulating");
-        let depth = rig.map(|rig| times.measure("depth", || triangulate(&disparity, &rig)));
+        let depth = rig.map(|rig| times.measure("depth", || self.depth(&disparity, &rig)));
+        let depth = depth.transpose()?;
+
+        let (objects, segmented) = match (&rig, &depth, &self.segmenting) {
+            (Some(rig), Some(depth), Some(params)) => {
+                console.step("finding the objects");
+                let rgb = eyes.left.rgb();
+                let found = times.measure("segments", || segment(depth, rgb, rig, params));
+                match found {
+                    Ok(Segmentation { labels, support }) => {
+                        let names = Names::new();
+                        (Some(Objects { labels, names }), Some(Ok(support)))
+                    }
+                    Err(reason) => (None, Some(Err(reason))),
+                }
+            }
+            _ => (self.objects.clone(), None),
+        };
 
         console.step("relating the objects");
-        let scene = match (&rig, &depth, &self.objects) {
+        let scene = match (&rig, &depth, &objects) {
             (Some(rig), Some(depth), Some(objects)) => Some(times.measure("relations", || {
                 let egocentric = locate(depth, &objects.labels, rig, &self.locating)?;
                 let qualitative = QualitativeScene::qualify_with(
@@ -86,7 +106,21 @@ impl Plan {
             rig,
             drift,
             depth,
+            objects,
+            segmented,
             scene: scene.transpose().context("the objects cannot be placed")?,
+        })
+    }
+
+    /// The depth of every pixel, with the disparity's uncertainty where it is calibrated, which is the
+    /// vector pyramid's.
+    fn depth(&self, disparity: &DisparityField, rig: &StereoRig) -> anyhow::Result<DepthMap> {
+        let depth = triangulate(disparity, rig);
+        Ok(match self.estimator {
+            Estimator::Vector(_) => {
+                depth.with_disparity_sigma(DisparitySigma::default().of(disparity))?
+            }
+            Estimator::Dense(_) => depth,
         })
     }
 
@@ -145,6 +179,15 @@ impl Plan {
             luma: eye.luma(),
             rgb: Some(eye.rgb()),
         });
+        let rectified = match (dense.rows, &self.rig) {
+            (Rows::Rectified, Some(rig)) => {
+                console.step("rectifying what the eyes see");
+                let rectified = times.measure("rectifying", || RectifiedEyes::of(&views, rig));
+                Some(rectified.context("the pictures cannot be rectified")?)
+            }
+            _ => None,
+        };
+        let views = rectified.as_ref().map_or(views, RectifiedEyes::views);
         console.step("finding the range of disparities");
         let preparation = times.measure("preparation", || {
             let bank = FilterBank::plan(self.gabor, size)?;
@@ -172,8 +215,12 @@ impl Plan {
         }
 
         console.step("matching the eyes");
-        times
+        let field = times
             .measure("disparity", || dense.look(&views, &preparation))
-            .context("the eyes cannot be matched")
+            .context("the eyes cannot be matched")?;
+        Ok(match &rectified {
+            Some(rectified) => times.measure("carrying back", || rectified.as_taken(&field))?,
+            None => field,
+        })
     }
 }

@@ -1,9 +1,8 @@
 use std::io::Write;
 
 use anyhow::ensure;
-use dorsal::egocentric_depth::{Head, Lens, Position, Rectification, StereoRig, resampled};
+use dorsal::egocentric_depth::{Head, Lens, Position, Rectification, StereoRig, resampled_rgb};
 use dorsal::v1_gabor::{Binocular, Size};
-use ndarray::{Array2, Zip};
 use serde::Serialize;
 use stereo_formats::rig_toml::{self, SizedRig};
 use stereo_formats::{kalibr, middlebury_calib, npy, opencv_storage, picture, ros_camera_info};
@@ -218,7 +217,7 @@ fn rectify(arguments: &RectifyArguments, out: &mut dyn Write) -> anyhow::Result<
     ];
     for (name, eye, map) in sides {
         files.add(name, move || {
-            picture::encode_rgb(shown(eye.rgb(), map).view())
+            picture::encode_rgb(resampled_rgb(eye.rgb(), map).view())
         });
     }
     let coordinates = [
@@ -252,14 +251,4 @@ fn rectify(arguments: &RectifyArguments, out: &mut dyn Write) -> anyhow::Result<
         arguments.out.display()
     )?;
     Ok(())
-}
-
-/// A picture as a map shows it.
-fn shown(rgb: ndarray::ArrayView2<'_, [u8; 3]>, map: &Array2<(f32, f32)>) -> Array2<[u8; 3]> {
-    let channel = |c: usize| resampled(rgb.mapv(|colour| f32::from(colour[c])).view(), map);
-    let (red, green, blue) = (channel(0), channel(1), channel(2));
-    Zip::from(&red)
-        .and(&green)
-        .and(&blue)
-        .map_collect(|&r, &g, &b| [r, g, b].map(|level| level.round().clamp(0.0, 255.0) as u8))
 }

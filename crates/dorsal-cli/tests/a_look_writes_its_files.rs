@@ -3,12 +3,14 @@ mod command;
 
 use std::fs;
 
-use command::{D, HEIGHT, Pair, WIDTH};
+use command::{D, HEIGHT, Pair, WIDTH, dorsal};
 use dorsal::disparity_pyramid::Validity;
 use dorsal::egocentric_depth::LabelImage;
+use dorsal::v1_gabor::Size;
 use ndarray::Array2;
 use serde_json::Value;
-use stereo_formats::{flo, label_png, pfm, picture, validity_png};
+use stereo_formats::{flo, label_png, pfm, picture, rig_toml, validity_png};
+use stereo_scenes::{Exposure, Room, render};
 
 fn json(pair: &Pair, name: &str) -> Value {
     let text = fs::read_to_string(pair.path(name)).expect("a file");
@@ -300,4 +302,87 @@ fn two_different_pictures_draw_a_note() {
     assert_eq!(said.code, Some(0), "{}", said.err);
     assert!(said.err.contains("are the pictures a pair"), "{}", said.err);
     assert!(pair.folder().join("out/look.json").is_file());
+}
+
+/// What stands on a table is found without labels, behind eyes that converge and with either estimator.
+#[test]
+fn objects_are_found_without_labels() {
+    let room = Room::demo();
+    let size = Size {
+        width: 384,
+        height: 288,
+    };
+    let gaze = room
+        .head()
+        .resized(size)
+        .fixate(room.fixation_m())
+        .expect("a gaze");
+    let view = render(&room, &gaze, Exposure::default()).expect("a view");
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    for (name, eye) in [
+        ("left.png", &view.images.left),
+        ("right.png", &view.images.right),
+    ] {
+        let codes = eye.plane().mapv(|light| [(255.0 * light).round() as u8; 3]);
+        fs::write(
+            path(name),
+            picture::encode_rgb(codes.view()).expect("a PNG"),
+        )
+        .expect("a file");
+    }
+    fs::write(
+        path("rig.toml"),
+        rig_toml::encode(&gaze.rig()).expect("a rig"),
+    )
+    .expect("a file");
+    for estimator in ["vector", "dense"] {
+        let out = path(estimator);
+        let mut words: Vec<std::ffi::OsString> = vec!["look".into()];
+        words.extend(["left.png", "right.png"].map(|name| path(name).into()));
+        words.extend(["--segment".into(), "--rig".into(), path("rig.toml").into()]);
+        words.extend(["--estimator".into(), estimator.into()]);
+        words.extend(["--out".into(), out.clone().into()]);
+        let said = dorsal(words);
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        assert!(said.out.contains("objects on a plane"), "{}", said.out);
+        let found = label_png::read(out.join("label_image.png")).expect("labels");
+        // Pictures so small lose what is thin; each that is left is an object of its own.
+        let mut own = 0;
+        for label in found.labels() {
+            let mut votes = std::collections::BTreeMap::<u16, usize>::new();
+            for (&is, &seen) in view.truth.labels.plane().iter().zip(found.plane()) {
+                if seen == label.0.get() {
+                    *votes.entry(is).or_default() += 1;
+                }
+            }
+            let most = votes
+                .iter()
+                .max_by_key(|(_, votes)| **votes)
+                .expect("pixels");
+            own += usize::from(*most.0 != 0);
+        }
+        assert!(own >= 4, "{estimator}: {own}");
+        let text = fs::read_to_string(out.join("scene.json")).expect("a scene");
+        assert!(text.contains("\"object-1\""), "{text}");
+        assert!(out.join("labels.png").is_file());
+    }
+}
+
+/// A wall that faces the eyes bears nothing: the look is done all the same, and says why.
+#[test]
+fn without_a_table_there_is_a_reason() {
+    let pair = Pair::new();
+    let rig = pair.path("rig.toml");
+    let said = pair.look(&["--segment", "--rig", rig.to_str().expect("a path")]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    assert!(
+        said.err.contains("no objects: no plane below the eyes"),
+        "{}",
+        said.err
+    );
+    let look = json(&pair, "out/look.json");
+    assert_eq!(look["segments"]["objects"], 0);
+    assert!(look["segments"]["refused"].is_string(), "{look}");
+    assert!(!pair.path("out/label_image.png").exists());
 }

@@ -22,6 +22,10 @@ fn what_is_missing_or_unknown_is_named() {
     refused("flow frame1.png --out o", "<NEXT>");
     refused("v1 left.png", "--out <DIR>");
     refused("calibrate l.png r.png --rig rig.toml", "--out <FIXED.toml>");
+    refused(
+        "calibrate l.png r.png --rig rig.toml --out o.toml --turned --yaw-sigma 1",
+        "cannot be used with",
+    );
     refused("rig convert", "<RIG>");
     refused("tables --case 1", "--system <SYSTEM>");
 }
@@ -36,6 +40,12 @@ fn values_are_checked_before_any_work() {
         ("--estimator magic", "vector"),
         ("--max-disparity far", "or auto"),
         ("--range far", "wide"),
+        ("--segment", "--rig"),
+        ("--estimator dense --rectify rig", "--rig"),
+        (
+            "--rig r.toml --segment --labels l.png",
+            "cannot be used with",
+        ),
         ("--range wide --scales 5", "cannot be used with"),
         ("--min-disparity 9999", "from -8000 to 8000"),
         (

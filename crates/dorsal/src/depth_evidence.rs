@@ -36,7 +36,7 @@ pub struct DepthEvidence<'a> {
 impl<'a> DepthEvidence<'a> {
     /// The evidence of a depth map that was triangulated with this rig. The ground, from which a
     /// memory counts heights, lies `eyes_above_ground_m` below the eyes; one standard deviation of
-    /// a disparity is `disparity_sigma_px`, as in
+    /// a disparity is the map's own, else `disparity_sigma_px`, as in
     /// [`LocateParams`](egocentric_depth::LocateParams::disparity_sigma_px).
     #[must_use]
     pub fn new(
@@ -125,8 +125,10 @@ impl LookEvidence for DepthEvidence<'_> {
         let whole = in_image((window.columns.0, window.rows.0))
             && in_image((window.columns.1, window.rows.1));
         // The error of a depth grows with its square along a line of sight.
+        let own = self.depth.disparity_sigma_px();
         let relative =
-            3.0 * self.rig.depth_sigma_m(centre, self.disparity_sigma_px) / centre.z_m.powi(2);
+            |sigma_px: f64| 3.0 * self.rig.depth_sigma_m(centre, sigma_px) / centre.z_m.powi(2);
+        let of_any = relative(self.disparity_sigma_px);
         let (mut asked, mut before, mut behind) = (0, 0, 0);
         for y in samples(window.rows, size.height) {
             for x in samples(window.columns, size.width) {
@@ -136,6 +138,7 @@ impl LookEvidence for DepthEvidence<'_> {
                 asked += 1;
                 // Comparisons with an unknown depth are false.
                 let z_m = self.depth.at(x, y).map_or(f64::NAN, f64::from);
+                let relative = own.map_or(of_any, |own| relative(f64::from(own[[y, x]])));
                 let error_m = relative * z_m * z_m;
                 before += u32::from(z_m + error_m < near_m);
                 behind += u32::from(z_m - error_m > far_m);

@@ -1,6 +1,6 @@
 use allocentric_qsr::{DepthReference, QualifyParams, QualitativeScene};
 use disparity_pyramid::{EyeView, MatchParams};
-use egocentric_depth::{LabelImage, LocateParams, StereoRig, locate, triangulate};
+use egocentric_depth::{DisparitySigma, LabelImage, LocateParams, StereoRig, locate, triangulate};
 use v1_gabor::{Binocular, FilterBank, LumaImage};
 
 use crate::{Error, Estimator, Names, Percept, sightings};
@@ -48,11 +48,18 @@ impl Dorsal {
             }
             Estimator::Dense(dense) => {
                 let views = eyes.as_ref().map(EyeView::grey);
-                let field = dense.disparity(&views, &self.bank, self.matching)?;
+                let field = dense.disparity(&views, &self.rig, &self.bank, self.matching)?;
                 (field, Vec::new())
             }
         };
         let depth = triangulate(&disparity, &self.rig);
+        let depth = match self.estimator {
+            Estimator::Vector(_) => {
+                depth.with_disparity_sigma(DisparitySigma::default().of(&disparity))?
+            }
+            // Not calibrated: what `locating` says counts for every pixel.
+            Estimator::Dense(_) => depth,
+        };
         let egocentric = locate(&depth, labels, &self.rig, &self.locating)?;
         let qualitative = QualitativeScene::qualify_with(
             sightings(&egocentric, names),

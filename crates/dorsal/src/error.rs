@@ -1,7 +1,7 @@
 use allocentric_qsr::BadSighting;
 use disparity_pyramid::{BadDense, BadRange, Mismatch, WrongView};
-use egocentric_depth::NotLocatable;
-use v1_gabor::WrongSize;
+use egocentric_depth::{BadRig, NotLocatable, WrongFieldSize, WrongPlane};
+use v1_gabor::{NotAnImage, WrongSize};
 
 /// Why a look gave nothing: the level that refused, in its own words.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -33,6 +33,18 @@ pub enum Error {
          what is seen may help"
     )]
     NoAlignment,
+    /// Level 3: the rig's eyes cannot be made parallel.
+    #[error(transparent)]
+    Rig(#[from] BadRig),
+    /// Level 3: an eye's picture cannot be rectified.
+    #[error(transparent)]
+    Rectified(#[from] NotAnImage),
+    /// Level 3: a field is not one of the rectified pair.
+    #[error(transparent)]
+    FieldSize(#[from] WrongFieldSize),
+    /// Level 3: a plane of uncertainties is not one of the depth map.
+    #[error(transparent)]
+    Sigma(#[from] WrongPlane),
     /// Level 3: the labels do not belong to the depth map.
     #[error(transparent)]
     Depth(#[from] NotLocatable),

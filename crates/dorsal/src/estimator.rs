@@ -2,9 +2,10 @@ use disparity_pyramid::{
     DenseMatcher, DenseParams, DisparityField, EyeView, MatchParams, RowAlignment, SearchRange,
     estimate,
 };
+use egocentric_depth::StereoRig;
 use v1_gabor::{Binocular, FilterBank};
 
-use crate::{Error, Range};
+use crate::{Error, Range, RectifiedEyes};
 
 /// Which estimator of level 2 looks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,9 +30,23 @@ pub struct DenseLook {
     pub params: DenseParams,
     /// Which shifts it tries.
     pub search: Search,
-    /// Whether the right image's rows are first aligned with the left one's, by what the vector
-    /// pyramid sees: for a rig whose calibration is missing or cannot be trusted.
-    pub align_rows: bool,
+    /// What is done first so that what corresponds lies on one row.
+    pub rows: Rows,
+}
+
+/// How the rows of a pair come to correspond.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Rows {
+    /// They do: the pair is rectified.
+    #[default]
+    AsTaken,
+    /// The right image's rows are aligned with the left one's, by what the vector pyramid sees: for a
+    /// rig whose calibration is missing or cannot be trusted.
+    Aligned,
+    /// Both images are turned into those of parallel pinholes ([`RectifiedEyes`](crate::RectifiedEyes)),
+    /// by a rig of any attitude and any lenses; what is found is carried back to the images as they
+    /// were taken. A range that is given is one of the rectified images.
+    Rectified,
 }
 
 /// Which shifts the dense estimator tries.
@@ -63,23 +78,31 @@ pub struct Preparation {
 }
 
 impl DenseLook {
-    /// The disparity of a pair. `bank` and `matching` are those of the vector pyramid, which finds
-    /// the search and the alignment if they are asked for. With an alignment `dy` is 0 all the
-    /// same: the field belongs to the aligned right image.
+    /// The disparity of a pair that this rig took. `bank` and `matching` are those of the vector pyramid,
+    /// which finds the search and the alignment if they are asked for. With an alignment `dy` is 0 all
+    /// the same: the field belongs to the aligned right image.
     ///
     /// # Errors
     /// [`Error`] carries the refusal of the first step that refused.
     pub fn disparity(
         &self,
         eyes: &Binocular<EyeView<'_>>,
+        rig: &StereoRig,
         bank: &FilterBank,
         matching: MatchParams,
     ) -> Result<DisparityField, Error> {
-        let preparation = self.prepare(eyes, bank, matching)?;
-        self.look(eyes, &preparation)
+        if self.rows != Rows::Rectified {
+            let preparation = self.prepare(eyes, bank, matching)?;
+            return self.look(eyes, &preparation);
+        }
+        let rectified = RectifiedEyes::of(eyes, rig)?;
+        let preparation = self.prepare(&rectified.views(), bank, matching)?;
+        let field = self.look(&rectified.views(), &preparation)?;
+        Ok(rectified.as_taken(&field)?)
     }
 
-    /// What the vector pyramid finds out first, if anything is asked of it.
+    /// What the vector pyramid finds out first, if anything is asked of it. The pair is rectified already
+    /// if it is to be.
     ///
     /// # Errors
     /// [`Error`] if the vector pyramid refuses, or sees too little.
@@ -94,7 +117,9 @@ impl DenseLook {
             Ok::<_, Error>(estimate(&responses, matching)?)
         };
         match self.search {
-            Search::Given(search) if !self.align_rows => Ok(Preparation { search, rows: None }),
+            Search::Given(search) if self.rows != Rows::Aligned => {
+                Ok(Preparation { search, rows: None })
+            }
             Search::Given(search) => Ok(Preparation {
                 search,
                 rows: Some(RowAlignment::fit(&field()?).ok_or(Error::NoAlignment)?),
@@ -103,7 +128,7 @@ impl DenseLook {
                 let field = field()?;
                 let found = SearchRange::covering(&field).ok_or(Error::NoSearch)?;
                 let most_dx = most_dx.unwrap_or(found.most_dx());
-                let rows = if self.align_rows {
+                let rows = if self.rows == Rows::Aligned {
                     Some(RowAlignment::fit(&field).ok_or(Error::NoAlignment)?)
                 } else {
                     None

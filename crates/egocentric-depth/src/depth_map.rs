@@ -8,6 +8,8 @@ use v1_gabor::Size;
 #[derive(Clone, Debug)]
 pub struct DepthMap {
     metres: Array2<f32>,
+    /// One standard deviation of the disparity that each depth was made of, px; of the map's size.
+    disparity_sigma_px: Option<Array2<f32>>,
 }
 
 impl DepthMap {
@@ -21,7 +23,52 @@ impl DepthMap {
                 f32::NAN
             }
         });
-        Self { metres }
+        Self {
+            metres,
+            disparity_sigma_px: None,
+        }
+    }
+
+    /// The same map, knowing one standard deviation of the disparity that each of its depths was made
+    /// of: a plane `[[y, x]]` of pixels, as [`DisparitySigma::of`](crate::DisparitySigma::of) makes it.
+    /// Where it is not finite and not negative, the depth becomes unknown.
+    ///
+    /// # Errors
+    /// [`WrongPlane`] if the plane has another size.
+    pub fn with_disparity_sigma(self, sigma_px: Array2<f32>) -> Result<Self, WrongPlane> {
+        self.matches(sigma_px.dim())?;
+        let metres = Zip::from(&self.metres)
+            .and(&sigma_px)
+            .map_collect(|&z, &sigma| {
+                if sigma.is_finite() && sigma >= 0.0 {
+                    z
+                } else {
+                    f32::NAN
+                }
+            });
+        Ok(Self {
+            metres,
+            disparity_sigma_px: Some(sigma_px),
+        })
+    }
+
+    /// One standard deviation of the disparity that the depth of each pixel was made of, in pixels,
+    /// `[[y, x]]`, if the map knows it.
+    #[must_use]
+    pub fn disparity_sigma_px(&self) -> Option<ArrayView2<'_, f32>> {
+        self.disparity_sigma_px.as_ref().map(|plane| plane.view())
+    }
+
+    fn matches(&self, dim: (usize, usize)) -> Result<(), WrongPlane> {
+        let sizes = WrongPlane {
+            depth: self.size(),
+            plane: Size::of_dim(dim),
+        };
+        if sizes.depth == sizes.plane {
+            Ok(())
+        } else {
+            Err(sizes)
+        }
     }
 
     /// Width and height in pixels.
@@ -45,13 +92,15 @@ impl DepthMap {
     /// The same map with every depth unknown that is not from `nearest_m` to `farthest_m`.
     #[must_use]
     pub fn within(&self, nearest_m: f32, farthest_m: f32) -> Self {
-        Self::new(self.metres.mapv(|z| {
+        let mut within = self.clone();
+        within.metres.mapv_inplace(|z| {
             if (nearest_m..=farthest_m).contains(&z) {
                 z
             } else {
                 f32::NAN
             }
-        }))
+        });
+        within
     }
 
     /// The part of the pixels whose depth is known, from 0 to 1.
@@ -67,32 +116,33 @@ impl DepthMap {
     /// [`DisparityField`](disparity_pyramid::DisparityField) holds it.
     ///
     /// # Errors
-    /// [`WrongConfidence`] if the plane has another size.
+    /// [`WrongPlane`] if the plane has another size.
     pub fn only_confident(
         &self,
         confidence: ArrayView2<'_, f32>,
         least: f32,
-    ) -> Result<Self, WrongConfidence> {
-        let sizes = WrongConfidence {
-            depth: self.size(),
-            confidence: Size::of_dim(confidence.dim()),
-        };
-        if sizes.depth != sizes.confidence {
-            return Err(sizes);
-        }
-        let metres = Zip::from(&self.metres)
+    ) -> Result<Self, WrongPlane> {
+        self.matches(confidence.dim())?;
+        let mut confident = self.clone();
+        Zip::from(&mut confident.metres)
             .and(confidence)
-            .map_collect(|&z, &sure| if sure >= least { z } else { f32::NAN });
-        Ok(Self { metres })
+            .for_each(|z, &sure| {
+                // A confidence that is no number is none.
+                let kept = sure >= least;
+                if !kept {
+                    *z = f32::NAN;
+                }
+            });
+        Ok(confident)
     }
 }
 
-/// A confidence plane of another size than its depth map.
+/// A plane of another size than its depth map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("a depth map of {depth} pixels has no use for the confidence of {confidence}")]
-pub struct WrongConfidence {
+#[error("a depth map of {depth} pixels has no use for a plane of {plane}")]
+pub struct WrongPlane {
     /// Size of the depth map.
     pub depth: Size,
-    /// Size of the confidence plane.
-    pub confidence: Size,
+    /// Size of the plane.
+    pub plane: Size,
 }

@@ -35,6 +35,18 @@ impl Eye {
         })
     }
 
+    /// The point at a depth along the line of sight of a pixel, the depth being the z of the head frame;
+    /// `None` if that line does not point forward.
+    pub(crate) fn at_depth(&self, pixel: (f64, f64), depth_m: f64) -> Option<Position<Head>> {
+        let ray = self.ray(pixel)?;
+        let [x, y, z] = ray.direction;
+        let from = ray.origin;
+        (z > 0.0).then(|| {
+            let stretch = (depth_m - from.z_m) / z;
+            Position::new(from.x_m + stretch * x, from.y_m + stretch * y, depth_m)
+        })
+    }
+
     /// Where the line of sight of a pixel crosses the plane `z = 1` of the eye's own frame.
     pub(crate) fn straight(&self, pixel: (f64, f64)) -> Option<(f64, f64)> {
         self.lens.undistort(self.intrinsics.normalised(pixel))

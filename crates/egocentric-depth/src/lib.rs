@@ -61,6 +61,7 @@
 //! [`relative_orientation`] finds how the right eye has slipped from its place ([`RigDrift`]) in
 //! the vertical component of the disparities. Nothing is kept between looks: the drift is a value
 //! that the caller passes on.
+mod appearance;
 mod attitude;
 mod camera_intrinsics;
 mod depth_map;
@@ -71,7 +72,10 @@ mod egocentric_scene;
 mod epipolar_residual;
 mod equation_5;
 mod eye;
+mod footprint;
 mod general_form;
+mod grown_regions;
+mod joined_regions;
 mod label_image;
 mod lens;
 mod locate;
@@ -88,13 +92,16 @@ mod relief;
 mod rig_drift;
 mod robust_sample;
 mod rotation;
+mod roughness;
+mod segment;
 mod stereo_rig;
+mod support_plane;
 mod triangulate;
 mod triangulate_rays;
 
 pub use attitude::Attitude;
 pub use camera_intrinsics::CameraIntrinsics;
-pub use depth_map::{DepthMap, WrongConfidence};
+pub use depth_map::{DepthMap, WrongPlane};
 pub use disparity_sigma::DisparitySigma;
 pub use drift_belief::{DriftBelief, NoSigma};
 pub use egocentric_scene::{EgocentricScene, LocatedObject, UnlocatedObject, WhyUnlocated};
@@ -109,13 +116,16 @@ pub use normals::normals;
 pub use point_cloud::{CloudPoint, point_cloud};
 pub use position::{Head, Observer, Position};
 pub use reach::{Reach, Search, reach_px};
-pub use rectification::{Rectification, resampled};
+pub use rectification::{Rectification, WrongFieldSize, resampled, resampled_rgb};
 pub use relative_orientation::{
     NoOrientation, OrientationParams, RelativeOrientation, relative_orientation,
 };
 pub use relative_pose::RelativePose;
 pub use rig_drift::RigDrift;
 pub use rotation::{NoRotation, Rotation};
+pub use roughness::{roughness_px, scatter};
+pub use segment::{NotSegmentable, SegmentParams, Segmentation, segment};
 pub use stereo_rig::{BadRig, StereoRig};
+pub use support_plane::{NoSupport, SupportParams, SupportPlane};
 pub use triangulate::{triangulate, triangulate_guesses};
 pub use triangulate_rays::{RayTriangulation, triangulate_rays};

@@ -7,7 +7,8 @@ use crate::{DepthMap, EgocentricScene, Label, LabelImage, StereoRig};
 /// What [`locate`] asks of an object and presumes of the depths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LocateParams {
-    /// One standard deviation of a disparity, in pixels. It sets the uncertainty of each position,
+    /// One standard deviation of a disparity, in pixels, for maps that do not know their own
+    /// ([`DepthMap::disparity_sigma_px`]). It sets the uncertainty of each position,
     /// and no depth is taken for an outlier within three times what it explains.
     pub disparity_sigma_px: f64,
     /// One standard deviation of an object's median pixel along either axis: how well the label
@@ -51,7 +52,12 @@ pub enum NotLocatable {
 /// The depth of an object is the median of those that agree: hand-drawn labels bleed over depth
 /// edges, so depths that lie farther than three standard deviations from the densest half of the
 /// label are left out. The position is the line of sight of the median agreeing pixel at that
-/// depth, in the level observer frame. Pixels of unknown depth count, but never move an object.
+/// depth, in the level observer frame. Pixels of unknown depth never move an object.
+///
+/// What a position may be off by has four sources: the disparities' own error, which neighbours share,
+/// so that no number of pixels makes it smaller; the spread of the object's depths, which the number
+/// of pixels does make smaller; the pixels that are left out, which may have lain on either side of the
+/// median; and the label.
 ///
 /// `rig` is the one the map was triangulated with. To demand a confidence of the depths, pass
 /// [`DepthMap::only_confident`].
@@ -78,7 +84,7 @@ pub fn locate(
         }
     }
     let mut scene = EgocentricScene::default();
-    for evidence in gather(depth, labels) {
+    for evidence in gather(depth, labels, params) {
         match place(&evidence, rig, params) {
             Ok(object) => scene.objects.push(object),
             Err(reason) => scene.unlocated.push(UnlocatedObject {
@@ -104,10 +110,12 @@ struct KnownPixel {
     x: u32,
     y: u32,
     depth_m: f32,
+    sigma_px: f32,
 }
 
-/// One walk over both planes; the evidence comes by ascending label.
-fn gather(depth: &DepthMap, labels: &LabelImage) -> Vec<Evidence> {
+/// One walk over the planes; the evidence comes by ascending label.
+fn gather(depth: &DepthMap, labels: &LabelImage, params: &LocateParams) -> Vec<Evidence> {
+    let sigma_px = depth.disparity_sigma_px();
     let mut evidence: Vec<Evidence> = labels
         .labels()
         .into_iter()
@@ -133,6 +141,7 @@ fn gather(depth: &DepthMap, labels: &LabelImage) -> Vec<Evidence> {
                 x: x as u32,
                 y: y as u32,
                 depth_m,
+                sigma_px: sigma_px.map_or(params.disparity_sigma_px as f32, |plane| plane[[y, x]]),
             });
         }
     }
@@ -150,7 +159,7 @@ fn place(
     if evidence.known.len() < needed {
         return Err(WhyUnlocated::TooFewReliablePixels { needed });
     }
-    let agreeing = without_outliers(&evidence.known, rig, params)?;
+    let agreeing = without_outliers(&evidence.known, rig)?;
     let mut depths = depths_of(&agreeing);
     let depth_m = median(&mut depths);
     let spread_m = robust_sigma(&depths, depth_m);
@@ -162,9 +171,11 @@ fn place(
     // Errors of neighbouring disparities go together, so the mean over an object does not shrink
     // them; only what its own spread adds to the median does shrink with the number of pixels.
     let of_median_m = MEDIAN_OVER_MEAN * spread_m / (agreeing.len() as f64).sqrt();
+    let of_left_out_m = left_out_sigma(&mut depths, evidence.pixels);
     let depth_sigma_m = rig
-        .depth_sigma_m(in_head, params.disparity_sigma_px)
-        .hypot(of_median_m);
+        .depth_sigma_m(in_head, median_sigma_px(&agreeing))
+        .hypot(of_median_m)
+        .hypot(of_left_out_m);
     Ok(LocatedObject {
         label: evidence.label,
         position: rig.to_observer(in_head),
@@ -179,6 +190,28 @@ fn place(
     })
 }
 
+/// How far the median of all pixels may be from that of the depths that agree: one standard deviation.
+///
+/// The part of those left out that lie nearer may be anything from none to all, a uniform distribution
+/// with a standard deviation of `1 / sqrt(12)`. With a part `u` of all left out, that moves the rank of
+/// the median among those that agree by `u / (1 - u)` of it.
+fn left_out_sigma(depths: &mut [f64], pixels: usize) -> f64 {
+    depths.sort_unstable_by(f64::total_cmp);
+    let last = depths.len() - 1;
+    let kept = depths.len() as f64 / pixels as f64;
+    let shift = ((1.0 - kept) / kept / 12f64.sqrt()).min(0.5);
+    let at = |rank: f64| depths[(rank * last as f64).round() as usize];
+    (at(0.5 + shift) - at(0.5 - shift)) / 2.0
+}
+
+fn median_sigma_px(pixels: &[KnownPixel]) -> f64 {
+    let mut sigmas: Vec<f64> = pixels
+        .iter()
+        .map(|pixel| f64::from(pixel.sigma_px))
+        .collect();
+    median(&mut sigmas)
+}
+
 /// The pixels within three standard deviations of the densest half of the depths.
 ///
 /// The deviation is that half's own, but never less than what the disparity's noise explains at
@@ -186,7 +219,6 @@ fn place(
 fn without_outliers(
     known: &[KnownPixel],
     rig: &StereoRig,
-    params: &LocateParams,
 ) -> Result<Vec<KnownPixel>, WhyUnlocated> {
     let mut depths = depths_of(known);
     depths.sort_unstable_by(f64::total_cmp);
@@ -194,7 +226,7 @@ fn without_outliers(
     let seen_at = rig
         .back_project(median_pixel(known), centre_m)
         .ok_or(WhyUnlocated::NotInFront)?;
-    let noise_m = rig.depth_sigma_m(seen_at, params.disparity_sigma_px);
+    let noise_m = rig.depth_sigma_m(seen_at, median_sigma_px(known));
     let cutoff_m = 3.0 * own_sigma_m.max(noise_m);
     Ok(known
         .iter()

@@ -45,12 +45,8 @@ pub fn normals(depth: &DepthMap, rig: &StereoRig) -> Array2<[f32; 3]> {
 /// Where a pixel lies in the head frame.
 fn place(depth: &DepthMap, eye: &Eye, (x, y): (usize, usize)) -> Option<[f64; 3]> {
     let z_m = f64::from(depth.at(x, y)?);
-    let ray = eye.ray((x as f64, y as f64))?;
-    let from = ray.origin.to_array();
-    let stretch = (z_m - from[2]) / ray.direction[2];
-    Some(std::array::from_fn(|i| {
-        from[i] + stretch * ray.direction[i]
-    }))
+    let place = eye.at_depth((x as f64, y as f64), z_m)?;
+    Some(place.to_array())
 }
 
 fn facing(

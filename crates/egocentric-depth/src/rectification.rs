@@ -1,3 +1,4 @@
+use disparity_pyramid::{DisparityField, Validity};
 use ndarray::{Array2, ArrayView2, Zip};
 use v1_gabor::{Binocular, LumaImage, NotAnImage, Size};
 
@@ -84,11 +85,7 @@ impl Rectification {
         let map = |camera: CameraIntrinsics, source: Eye| {
             let mut map = Array2::from_elem(self.size.dim(), (f32::NAN, f32::NAN));
             Zip::indexed(&mut map).par_for_each(|(y, x), place| {
-                let (across, down) = camera.normalised((x as f64, y as f64));
-                // Far enough along the line of sight that the eye's place is the only one left.
-                let from = source.centre.to_array();
-                let at = std::array::from_fn(|i| from[i] + [across, down, 1.0][i]);
-                if let Some((u, v)) = source.project(Position::from_array(at)) {
+                if let Some((u, v)) = taken(&camera, &source, (x as f64, y as f64)) {
                     *place = (u as f32, v as f32);
                 }
             });
@@ -98,6 +95,58 @@ impl Rectification {
             left: map(rectified.left, self.sources.left),
             right: map(rectified.right, self.sources.right),
         }
+    }
+
+    /// A field of the rectified pictures as one of the pictures as they were taken: their left `(x, y)`
+    /// matches their right `(x + dx, y + dy)`.
+    ///
+    /// Shifts are read linearly between four pixels of the field that agree to a pixel, else at the
+    /// nearest; validity and confidence at the nearest. What the rectified pictures do not show is out
+    /// of view. The field's covariance, if it has one, is left behind.
+    ///
+    /// # Errors
+    /// [`WrongFieldSize`] if the field has another size than the pictures.
+    #[expect(
+        clippy::missing_panics_doc,
+        reason = "what is not finite has been left out"
+    )]
+    pub fn as_taken(&self, field: &DisparityField) -> Result<DisparityField, WrongFieldSize> {
+        if field.size() != self.size {
+            return Err(WrongFieldSize {
+                field: field.size(),
+                pictures: self.size,
+            });
+        }
+        let cameras = self.rig.intrinsics();
+        let out_of_view = (0.0, 0.0, 0.0, Validity::OutOfView);
+        let mut answers = Array2::from_elem(self.size.dim(), out_of_view);
+        Zip::indexed(&mut answers).par_for_each(|(y, x), answer| {
+            let found = || {
+                let at = (x as f64, y as f64);
+                let [across, down, ahead] = self.sources.left.ray(at)?.direction;
+                let here =
+                    (ahead > 0.0).then(|| cameras.left.pixel((across / ahead, down / ahead)))?;
+                let (shift, nearest) = shift_at(field, here)?;
+                let there = (here.0 + shift.0, here.1 + shift.1);
+                let right = taken(&cameras.right, &self.sources.right, there)?;
+                let (dx, dy) = ((right.0 - at.0) as f32, (right.1 - at.1) as f32);
+                (dx.is_finite() && dy.is_finite()).then_some((
+                    dx,
+                    dy,
+                    field.confidence()[nearest],
+                    field.validity()[nearest],
+                ))
+            };
+            if let Some(found) = found() {
+                *answer = found;
+            }
+        });
+        let dx = answers.mapv(|answer| answer.0);
+        let dy = answers.mapv(|answer| answer.1);
+        let confidence = answers.mapv(|answer| answer.2);
+        let validity = answers.mapv(|answer| answer.3);
+        Ok(DisparityField::new(dx, dy, confidence, validity)
+            .expect("planes of one size, finite as what they are made of"))
     }
 
     /// The rectified pictures.
@@ -114,6 +163,83 @@ impl Rectification {
             right: LumaImage::new(resampled(eyes.right.plane(), &maps.right))?,
         })
     }
+}
+
+/// A field of another size than the pictures that were rectified.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("a field of {field} pixels is not one of rectified pictures of {pictures}")]
+pub struct WrongFieldSize {
+    /// Size of the field.
+    pub field: Size,
+    /// Size of the pictures.
+    pub pictures: Size,
+}
+
+/// Where the eye as it is sees what a rectified camera sees at a pixel; `None` where it sees nothing.
+fn taken(camera: &CameraIntrinsics, source: &Eye, pixel: (f64, f64)) -> Option<(f64, f64)> {
+    let (across, down) = camera.normalised(pixel);
+    // One step along the line of sight from the eye's own place.
+    let from = source.centre.to_array();
+    let at = std::array::from_fn(|i| from[i] + [across, down, 1.0][i]);
+    source.project(Position::from_array(at))
+}
+
+/// The shift of a field between its pixels, and the `[y, x]` of the nearest; `None` outside.
+fn shift_at(field: &DisparityField, (u, v): (f64, f64)) -> Option<((f64, f64), [usize; 2])> {
+    let Size { width, height } = field.size();
+    let inside = |at: f64, length: usize| (-0.5..=length as f64 - 0.5).contains(&at);
+    if !(inside(u, width) && inside(v, height)) {
+        return None;
+    }
+    let nearest = [
+        (v.round() as usize).min(height - 1),
+        (u.round() as usize).min(width - 1),
+    ];
+    let (column, row) = (u.max(0.0).floor() as usize, v.max(0.0).floor() as usize);
+    let corners = [
+        (row, column),
+        (row, column + 1),
+        (row + 1, column),
+        (row + 1, column + 1),
+    ];
+    let read = |[y, x]: [usize; 2]| (f64::from(field.dx()[[y, x]]), f64::from(field.dy()[[y, x]]));
+    let here = read(nearest);
+    let agree = |&(y, x): &(usize, usize)| {
+        y < height
+            && x < width
+            && field.validity()[[y, x]] == field.validity()[nearest]
+            && (read([y, x]).0 - here.0).abs() <= 1.0
+    };
+    if !corners.iter().all(agree) {
+        return Some((here, nearest));
+    }
+    let (across, down) = (u - column as f64, v - row as f64);
+    let weights = [
+        (1.0 - across) * (1.0 - down),
+        across * (1.0 - down),
+        (1.0 - across) * down,
+        across * down,
+    ];
+    let shift = corners
+        .iter()
+        .zip(weights)
+        .fold((0.0, 0.0), |sum, (&(y, x), weight)| {
+            let (dx, dy) = read([y, x]);
+            (sum.0 + weight * dx, sum.1 + weight * dy)
+        });
+    Some((shift, nearest))
+}
+
+/// A picture as a map shows it, channel by channel; see [`resampled`].
+#[must_use]
+pub fn resampled_rgb(rgb: ArrayView2<'_, [u8; 3]>, map: &Array2<(f32, f32)>) -> Array2<[u8; 3]> {
+    let channel = |c: usize| resampled(rgb.mapv(|colour| f32::from(colour[c])).view(), map);
+    let (red, green, blue) = (channel(0), channel(1), channel(2));
+    // The casts saturate: a cubic runs over at sharp edges.
+    Zip::from(&red)
+        .and(&green)
+        .and(&blue)
+        .map_collect(|&r, &g, &b| [r, g, b].map(|level| level.round() as u8))
 }
 
 /// The plane as a map shows it: cubic interpolation (Catmull and Rom), the border repeated, and 0

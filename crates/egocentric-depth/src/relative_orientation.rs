@@ -32,6 +32,17 @@ impl OrientationParams {
         forward: 0.01,
     };
 
+    /// What is expected of a rig that was calibrated, whose eyes have since turned, as a knock or a slack
+    /// gear turns them: nothing of the turn, and of the centres that a bar holds them to a thousandth of
+    /// the baseline.
+    pub const TURNED: RigDrift = RigDrift {
+        pitch_rad: f64::INFINITY,
+        yaw_rad: f64::INFINITY,
+        roll_rad: f64::INFINITY,
+        down: 0.001,
+        forward: 0.001,
+    };
+
     /// The expectation of a rig that has not drifted: within its own [`StereoRig::sigma`] where it
     /// has one, else within [`OrientationParams::SIGMA`].
     #[must_use]

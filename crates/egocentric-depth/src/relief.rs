@@ -11,26 +11,51 @@ pub(crate) struct Relief {
     pub(crate) weight: f64,
 }
 
+impl Relief {
+    /// How much nearer than a plane the point is, in pixels of parallax.
+    pub(crate) fn off(&self, plane: [f64; 3]) -> f64 {
+        self.parallax_px - dot(plane, [1.0, self.x, self.y])
+    }
+}
+
 /// Rounds of reweighting: the majority's plane stands out within a few.
 const ROUNDS: usize = 20;
 
 /// The part of the weight that lies farther than `off_px` from one plane of the world, by parallax.
 ///
-/// The inverse depth of a plane is linear in `x` and `y`, whatever the eyes' pose, so the plane is a
-/// line fit: least squares, reweighted by Cauchy's function. `None` without three points.
+/// `None` without three points.
 pub(crate) fn off_plane(points: &[Relief], off_px: f64) -> Option<f64> {
+    let plane = plane_of(points, off_px, None)?;
     let total: f64 = points.iter().map(|point| point.weight).sum();
-    let mut plane = [0.0; 3];
-    for round in 0..ROUNDS {
+    let off: f64 = points
+        .iter()
+        .filter(|point| point.off(plane).abs() > off_px)
+        .map(|point| point.weight)
+        .sum();
+    // An empty sum is -0.
+    Some(off.abs() / total)
+}
+
+/// The plane of the world that most of the points lie on to about `off_px` of parallax: `[p, q, r]`
+/// with `parallax = p + q x + r y`.
+///
+/// The inverse depth of a plane is linear in `x` and `y`, whatever the eyes' pose, so the plane is a
+/// line fit: least squares, reweighted by Cauchy's function, from `start` or from all points alike.
+/// `None` without three points.
+pub(crate) fn plane_of(
+    points: &[Relief],
+    off_px: f64,
+    start: Option<[f64; 3]>,
+) -> Option<[f64; 3]> {
+    let mut plane = start;
+    for _ in 0..ROUNDS {
         let mut sums = [[0.0; 4]; 3];
         for point in points {
             let row = [1.0, point.x, point.y];
-            let miss = (point.parallax_px - dot(plane, row)) / off_px;
-            let agreed = if round == 0 {
-                1.0
-            } else {
+            let agreed = plane.map_or(1.0, |plane| {
+                let miss = point.off(plane) / off_px;
                 1.0 / (1.0 + miss * miss)
-            };
+            });
             let weight = point.weight * agreed;
             for i in 0..3 {
                 for j in 0..3 {
@@ -39,15 +64,15 @@ pub(crate) fn off_plane(points: &[Relief], off_px: f64) -> Option<f64> {
                 sums[i][3] += weight * row[i] * point.parallax_px;
             }
         }
-        plane = solve(sums)?;
+        plane = Some(solve(sums)?);
     }
-    let off: f64 = points
-        .iter()
-        .filter(|p| (p.parallax_px - dot(plane, [1.0, p.x, p.y])).abs() > off_px)
-        .map(|point| point.weight)
-        .sum();
-    // An empty sum is -0.
-    Some(off.abs() / total)
+    plane
+}
+
+/// The plane through three points; `None` if they lie on one line of the image.
+pub(crate) fn plane_through(points: [Relief; 3]) -> Option<[f64; 3]> {
+    let [a, b, c] = points.map(|point| [1.0, point.x, point.y, point.parallax_px]);
+    solve([a, b, c])
 }
 
 /// Three equations, by Cramer's rule; `None` if they are one.

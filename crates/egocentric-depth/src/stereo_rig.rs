@@ -325,6 +325,18 @@ impl StereoRig {
         self.attitude.map(|attitude| attitude.pan_rad)
     }
 
+    /// Whether what corresponds lies on one row of both images, as [`Rectification`](crate::Rectification)
+    /// makes it: parallel pinholes of one focal length and one row of principal points.
+    #[must_use]
+    pub fn is_rectified(&self) -> bool {
+        let (pan, eyes) = (self.pan_rad(), self.intrinsics());
+        self.only_pans()
+            && pan.left == 0.0
+            && pan.right == 0.0
+            && eyes.left.focal_px == eyes.right.focal_px
+            && eyes.left.principal_point_px.1 == eyes.right.principal_point_px.1
+    }
+
     /// Whether both eyes are pinholes on the baseline that do no more than pan: then the horizontal
     /// shift alone tells depth, row by row.
     #[must_use]
@@ -392,12 +404,7 @@ impl StereoRig {
     /// triangulated with this rig.
     #[must_use]
     pub fn back_project(&self, pixel: (f64, f64), depth_m: f64) -> Option<Position<Head>> {
-        let ray = self.eyes().left.ray(pixel)?;
-        let [x, y, z] = ray.direction;
-        (z > 0.0).then(|| {
-            let stretch = depth_m / z;
-            Position::new(ray.origin.x_m + stretch * x, stretch * y, depth_m)
-        })
+        self.eyes().left.at_depth(pixel, depth_m)
     }
 
     /// The same point seen from the level observer: the head's tilt undone.

@@ -43,6 +43,7 @@ mod gaze;
 mod head;
 mod noise;
 mod pose;
+mod random_room;
 mod room;
 mod shape;
 mod solid;

@@ -7,6 +7,7 @@ use v1_gabor::Size;
 use crate::{
     gaze::{Gaze, NoGaze},
     head::Head,
+    random_room::random_room,
     solid::Solid,
     texture::Texture,
     thing::Thing,
@@ -159,7 +160,36 @@ impl Room {
             .expect("a test reads the embedded room")
     }
 
-    fn check(&self) -> Result<(), BadRoom> {
+    /// A table with four to eight objects on it, drawn anew for every seed: forms, sizes, places, paints,
+    /// the table, the walls and the head's place. Objects stand at least 3 cm apart; one may hide a part
+    /// of another from the head. The same seed gives the same room on every machine.
+    #[must_use]
+    pub fn random(seed: u32) -> Self {
+        random_room(seed)
+    }
+
+    /// A room of these parts, which are known to fit.
+    pub(crate) const fn assembled(
+        size_m: [f64; 3],
+        lamp_m: [f64; 3],
+        walls: Walls,
+        scenery: Vec<Thing>,
+        objects: Vec<Thing>,
+        head: Head,
+        fixation_m: [f64; 3],
+    ) -> Self {
+        Self {
+            size_m,
+            lamp_m,
+            walls,
+            scenery,
+            objects,
+            head,
+            fixation_m,
+        }
+    }
+
+    pub(crate) fn check(&self) -> Result<(), BadRoom> {
         positive("room", &self.size_m)?;
         for (name, point) in [
             ("lamp", self.lamp_m),
