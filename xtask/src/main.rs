@@ -38,6 +38,7 @@ mod eval_depth;
 mod eval_flow;
 mod eval_middlebury;
 mod eval_robustness;
+mod eval_scan;
 mod eval_vergent;
 mod evaluation;
 mod export_gqr;
@@ -68,6 +69,7 @@ mod robustness_page;
 mod robustness_run;
 mod robustness_series;
 mod rows_only;
+mod scan_run;
 mod score;
 mod score_tables;
 mod sha256;
@@ -112,6 +114,7 @@ enum Task {
     #[command(name = "compare-opencv")]
     CompareOpencv(compare_opencv::Options),
     EvalRobustness(eval_robustness::Options),
+    EvalScan(eval_scan::Options),
     EvalVergent(eval_vergent::Options),
     PopulationPictures(population_pictures::Options),
 }
@@ -133,6 +136,7 @@ fn main() -> ExitCode {
         Task::CalculusResults(options) => calculus_results::run(&options),
         Task::CompareOpencv(options) => compare_opencv::run(&options),
         Task::EvalRobustness(options) => eval_robustness::run(&options),
+        Task::EvalScan(options) => eval_scan::run(&options),
         Task::EvalVergent(options) => eval_vergent::run(&options),
         Task::PopulationPictures(options) => population_pictures::run(&options),
     };
