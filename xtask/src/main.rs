@@ -73,6 +73,7 @@ mod scan_run;
 mod score;
 mod score_tables;
 mod sha256;
+mod soak_looks;
 mod soak_memory;
 mod sparsification;
 mod table_1;
@@ -106,6 +107,7 @@ enum Task {
     EvalFlow(eval_flow::Options),
     EvalMiddlebury(eval_middlebury::Options),
     CheckSoundness(check_soundness::Options),
+    SoakLooks(soak_looks::Options),
     SoakMemory(soak_memory::Options),
     ExportGqr(export_gqr::Options),
     CalibrateConfidence(calibrate_confidence::Options),
@@ -129,6 +131,7 @@ fn main() -> ExitCode {
         Task::EvalFlow(options) => eval_flow::run(&options),
         Task::EvalMiddlebury(options) => eval_middlebury::run(&options),
         Task::CheckSoundness(options) => check_soundness::run(&options),
+        Task::SoakLooks(options) => soak_looks::run(&options),
         Task::SoakMemory(options) => soak_memory::run(&options),
         Task::ExportGqr(options) => export_gqr::run(&options),
         Task::CalibrateConfidence(options) => calibrate_confidence::run(&options),

@@ -5,7 +5,7 @@ use anyhow::{Context as _, bail};
 use dorsal::Names;
 use dorsal::allocentric_qsr::SceneMemory;
 use dorsal_scan::{
-    Asked, Fixation, HeadErrors, Scan, ScanParams, ask_all, figure_12, knows_figure_12,
+    Asked, Fixation, HeadErrors, Scan, ScanParams, TruePlaces, ask_all, figure_12, knows_figure_12,
 };
 use stereo_formats::{picture, rig_toml};
 use stereo_scenes::Room;
@@ -14,6 +14,7 @@ use crate::console::Console;
 use crate::memory_file::MemoryFile;
 use crate::outputs::{Outputs, ensure_folder};
 use crate::report::{Frame, scan_page};
+use crate::robot_log::{LoggedLook, RobotLog, write_log};
 use crate::scan_arguments::ScanArguments;
 use crate::scan_record::{LookOfScan, ScanRecord};
 use crate::scan_step::ScanStep;
@@ -37,7 +38,7 @@ pub(crate) fn demo_scan(arguments: &ScanArguments, out: &mut dyn Write) -> anyho
     }
 
     console.step("comparing with the room");
-    let (score, truth) = (scanned.scan.score()?, scanned.scan.truth()?);
+    let (score, truth) = (scanned.scan.score()?, scanned.truth);
     let memory = scanned.scan.memory().clone();
     let pair = pair.filter(|_| hidden.is_some());
     let asked = ask_all(&memory, &truth, pair.as_ref(), scanned.moved.as_deref());
@@ -62,6 +63,9 @@ pub(crate) fn demo_scan(arguments: &ScanArguments, out: &mut dyn Write) -> anyho
     });
     files.add("memory.dot", || anyhow::Ok(memory.to_dot().into_bytes()));
     files.write(&arguments.out)?;
+    if let (Some(path), Some(log)) = (&arguments.mcap, scanned.log) {
+        write_log(path, log)?;
+    }
     console.clear();
 
     writeln!(out, "\n{score}\n")?;
@@ -105,6 +109,9 @@ struct Scanned {
     looks: Vec<LookOfScan>,
     frames: Vec<Frame>,
     moved: Option<String>,
+    /// Where everything truly is now.
+    truth: TruePlaces,
+    log: Option<RobotLog>,
 }
 
 impl Scanned {
@@ -138,8 +145,11 @@ impl Scanned {
             (Some(file), Some(path)) if path.exists() => file.read()?,
             _ => SceneMemory::new(&params.reference, params.memory)?,
         };
+        let scan = Scan::resume(room, params, memory)?;
         Ok(Self {
-            scan: Scan::resume(room, params, memory)?,
+            truth: scan.truth()?,
+            log: arguments.mcap.is_some().then(RobotLog::new).transpose()?,
+            scan,
             names,
             file,
             files: Outputs::default(),
@@ -167,10 +177,25 @@ impl Scanned {
         if let Some(file) = &self.file {
             file.write(&look.memory)?;
         }
-        let truth = self.scan.truth()?;
+        if look.moved.is_some() {
+            self.truth = self.scan.truth()?;
+        }
+        if let Some(log) = &mut self.log {
+            let relations = look.percept.qualitative.relations();
+            let reference = look.percept.qualitative.reference();
+            log.look(&LoggedLook {
+                time_ns: look.memory.time_ms() * 1_000_000,
+                pictures: look.shown.pictures.as_ref().map(|picture| picture.view()),
+                rig: Some(&look.rig),
+                depth: Some(&look.percept.depth),
+                objects: &look.percept.egocentric.objects,
+                names: &self.names,
+                relations: relations.iter().map(|r| r.record(reference)).collect(),
+            })?;
+        }
         let step = ScanStep { look, times };
         self.frames
-            .push(Frame::of_scan(&step, &truth, &self.names)?);
+            .push(Frame::of_scan(&step, &self.truth, &self.names)?);
         self.looks.push(LookOfScan::of(&step));
         console.clear();
         let look = step.look;
@@ -178,17 +203,16 @@ impl Scanned {
             writeln!(out, "        somebody moves {object}")?;
             self.moved = Some(object.clone());
         }
+        let refused = look.refused.as_ref();
+        let refused = refused.map_or_else(String::new, |why| format!("; not remembered: {why}"));
         writeln!(
             out,
-            "look {:>2}  {}; {} objects placed, {} known",
+            "look {:>2}  {}; {} objects placed, {} known{refused}",
             look.number,
             look.shown.fixation.why,
             look.percept.egocentric.objects.len(),
             look.memory.objects().count(),
         )?;
-        if let Some(refused) = &look.refused {
-            writeln!(out, "        not remembered: {refused}")?;
-        }
         out.flush()?;
         let (pictures, rig, number) = (look.shown.pictures, look.rig, look.number);
         let (left, right) = (pictures.left, pictures.right);

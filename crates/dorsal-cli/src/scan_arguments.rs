@@ -21,7 +21,7 @@ pub(crate) struct ScanArguments {
     pub(crate) fixations: u16,
 
     /// Chooses noise, errors and what is moved
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 2)]
     pub(crate) seed: u64,
 
     /// A head without errors: exact encoders, no slip, pinholes; the cameras stay noisy
@@ -37,6 +37,10 @@ pub(crate) struct ScanArguments {
     #[arg(long, value_name = "FILE")]
     pub(crate) memory: Option<PathBuf>,
 
+    /// Log every look in MCAP, for Foxglove or the Rerun viewer
+    #[arg(long, value_name = "FILE")]
+    pub(crate) mcap: Option<PathBuf>,
+
     #[command(flatten)]
     pub(crate) threads: Threads,
 
@@ -46,8 +50,8 @@ pub(crate) struct ScanArguments {
 }
 
 const EXAMPLES: &str = "\
-The head looks at what is least known: the fixation that shows most ground that no look has shown.
-When all is known, at what is least sure: the object whose place has the largest standard error,
+The head looks at what is least known: the fixation that shows most ground that no look has
+measured. When all is known, at what is least sure: the object whose place has the largest standard error,
 which counts 2 cm more for every look since it was seen. Half way somebody moves one object. The
 last look is that of the paper's Figure 12: at one object, with the one to its right out of view.
 
@@ -68,4 +72,5 @@ truth than three standard errors allow, or if Figure 12's question is answered w
 Examples:
   dorsal demo scan --out scan
   dorsal demo scan --out scan --room room.toml --fixations 6
+  dorsal demo scan --out scan --mcap scan.mcap
   dorsal demo scan --out scan --memory memory.json && dorsal memory ask --memory memory.json \"within c of robot\"";

@@ -6,9 +6,9 @@ use crate::fixation::Why;
 
 /// Where to look next: at what is least known, and when all is known, at what is least sure.
 ///
-/// *Least known* is ground that no look has shown: the fixation that shows most of it is taken. When
-/// less than a hundredth is left, or no fixation shows any of the rest, it is the turn of what is *least
-/// sure*: the remembered object with the largest standard error of its place, which counts
+/// *Least known* is ground that no look has measured: the fixation that shows most of it is taken. A
+/// place that two looks have shown in vain, a hole or a shadow, is left alone. When less than a
+/// fiftieth is left it is the turn of what is *least sure*: the remembered object with the largest standard error of its place, which counts
 /// [`STALE_M`] more for every look since it was seen, and [`DOUBTED_M`] more while it is not believed
 /// or believed gone.
 #[derive(Clone, Debug)]
@@ -16,11 +16,19 @@ pub(crate) struct Attention {
     places: Vec<Ground>,
 }
 
-/// A piece of ground, and whether a look has shown it.
+/// A piece of ground, whether a look has measured it, and how often one has shown it.
 #[derive(Clone, Copy, Debug)]
 struct Ground {
     at: [f64; 2],
-    shown: bool,
+    measured: bool,
+    shown: u32,
+}
+
+impl Ground {
+    /// Whether it is worth a look.
+    const fn is_open(self) -> bool {
+        !self.measured && self.shown < 2
+    }
 }
 
 /// How much less sure a place is held for every look that did not show it, in metres: a hand may move
@@ -35,7 +43,11 @@ const MARGIN: f64 = 0.12;
 
 impl Attention {
     pub(crate) fn new(places: Vec<[f64; 2]>) -> Self {
-        let ground = |at| Ground { at, shown: false };
+        let ground = |at| Ground {
+            at,
+            measured: false,
+            shown: 0,
+        };
         Self {
             places: places.into_iter().map(ground).collect(),
         }
@@ -46,16 +58,29 @@ impl Attention {
         self.places.iter().map(|ground| ground.at)
     }
 
-    /// The part of the ground that some look has shown.
+    /// The part of the ground that some look has measured.
     pub(crate) fn known(&self) -> f64 {
-        let shown = self.places.iter().filter(|ground| ground.shown).count();
-        shown as f64 / self.places.len().max(1) as f64
+        self.part(|ground| ground.measured)
     }
 
-    /// Keeps what a look through this rig shows.
-    pub(crate) fn looked(&mut self, rig: &StereoRig, size: Size, down_m: f64) {
+    fn part(&self, of: impl Fn(&Ground) -> bool) -> f64 {
+        let found = self.places.iter().filter(|ground| of(ground)).count();
+        found as f64 / self.places.len().max(1) as f64
+    }
+
+    /// Keeps what a look through this rig shows, and where it has `measured` something.
+    pub(crate) fn looked(
+        &mut self,
+        rig: &StereoRig,
+        size: Size,
+        down_m: f64,
+        measured: impl Fn([f64; 2]) -> bool,
+    ) {
         for ground in &mut self.places {
-            ground.shown |= shows(rig, size, ground.at, down_m);
+            if shows(rig, size, ground.at, down_m) {
+                ground.shown += 1;
+                ground.measured |= measured(ground.at);
+            }
         }
     }
 
@@ -68,11 +93,11 @@ impl Attention {
         down_m: f64,
         aim: impl Fn([f64; 2]) -> Option<StereoRig>,
     ) -> Option<([f64; 2], f64, Why)> {
-        if self.known() < 0.99 {
+        if self.part(|ground| ground.is_open()) > 0.02 {
             let new = |rig: &StereoRig| {
                 self.places
                     .iter()
-                    .filter(|ground| !ground.shown && shows(rig, size, ground.at, down_m))
+                    .filter(|ground| ground.is_open() && shows(rig, size, ground.at, down_m))
                     .count()
             };
             let gains = self.places.iter().filter_map(|ground| {

@@ -14,9 +14,9 @@ pub struct Fixation {
 /// Why the head looks somewhere.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Why {
-    /// It shows most of the ground that no look has shown.
+    /// It shows most of the ground that no look has measured.
     LeastKnown {
-        /// The part of the field that it shows for the first time.
+        /// The part of the field that is open and that it shows.
         share: f64,
     },
     /// Nothing in the memory is less sure than the place of this object.
@@ -39,7 +39,11 @@ impl fmt::Display for Why {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::LeastKnown { share } => {
-                write!(f, "least known: {:.0} % of the field is new", 100.0 * share)
+                write!(
+                    f,
+                    "least known: {:.0} % of the field to find out",
+                    100.0 * share
+                )
             }
             Self::LeastSure { object, sigma_m } => {
                 write!(f, "least sure: {object}, within {:.1} cm", 100.0 * sigma_m)

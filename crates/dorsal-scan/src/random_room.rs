@@ -4,7 +4,7 @@ use stereo_scenes::{BadRoom, Room};
 
 use crate::chance::Chance;
 
-/// A long table with seven to ten boxes, balls and cylinders on it, placed by chance, before the head
+/// A long table under a patterned cloth with seven to ten boxes, balls and cylinders on it, placed by chance, before the head
 /// of [`Room::scan`] with pictures of 480 x 360 pixels: a room to count in.
 ///
 /// Things are 5 to 30 cm high and keep 3 cm of ground between them; they hide each other as chance has
@@ -66,7 +66,7 @@ ceiling = { pattern = \"plain\", colour = [0.9, 0.9, 0.9] }
 [[scenery]]
 name = \"table top\"
 shape.box = { base_m = [2.0, 1.50, 0.72], size_m = [3.3, 1.50, 0.03] }
-texture = { pattern = \"wood\", colour = [0.80, 0.62, 0.42], ink = [0.36, 0.23, 0.14], patch_m = 0.12 }
+texture = { colour = [0.80, 0.70, 0.55], ink = [0.36, 0.23, 0.14], patch_m = 0.12 }
 ";
 
 /// A body of random kind and size.

@@ -1,7 +1,7 @@
 use dorsal::allocentric_qsr::{
-    BadMemoryParams, BadSighting, DepthReference, GroundPose, Look, MemoryParams, NotAPose,
-    NotAnError, ObjectId, Observation, Policy, PoseKnowledge, QualifyParams, QualitativeScene,
-    RobotPose, SceneMemory,
+    AskedPlace, BadMemoryParams, BadSighting, DepthReference, Evidence, GroundPose, Look,
+    LookEvidence as _, MemoryParams, NotAPose, NotAnError, ObjectId, Observation, Policy,
+    PoseKnowledge, QualifyParams, QualitativeScene, RobotPose, SceneMemory,
 };
 use dorsal::disparity_pyramid::MatchParams;
 use dorsal::egocentric_depth::{
@@ -50,7 +50,7 @@ impl Default for ScanParams {
     fn default() -> Self {
         Self {
             fixations: 10,
-            seed: 1,
+            seed: 2,
             errors: HeadErrors::default(),
             exposure: Exposure {
                 noise_sigma: 0.01,
@@ -161,10 +161,11 @@ impl Scan {
         } else {
             None
         };
+        let gabor = GaborParams::default();
         let gabor = GaborParams {
-            // Nearer and farther than the fixation by some 100 px of 640.
-            scales: 7,
-            ..GaborParams::default()
+            // The nearest edge of a table is far from the fixation in pixels.
+            scales: gabor.most_scales(head.size),
+            ..gabor
         };
         Ok(Self {
             lenses: params.errors.lenses(&mut chance),
@@ -206,7 +207,7 @@ impl Scan {
         self.head.position_m[2] - self.stand_m
     }
 
-    /// The part of the field that some look has shown.
+    /// The part of the field that some look has measured.
     #[must_use]
     pub fn known(&self) -> f64 {
         self.attention.known()
@@ -383,6 +384,7 @@ impl Scan {
             pose: PoseKnowledge::Known(pose),
             observations: seen
                 .zip(&egocentric.objects)
+                .filter(|(seen, object)| is_seen(seen, object))
                 .map(|(seen, object)| widened(seen, object, errors.encoder_sigma_rad))
                 .collect(),
         };
@@ -397,7 +399,9 @@ impl Scan {
             (Vec::new(), Some(reason.to_owned()))
         };
         if refused.is_none() {
-            self.attention.looked(&rig, self.head.size, down_m);
+            let memory = &self.memory;
+            let known = |at: [f64; 2]| measured(&evidence, memory, at);
+            self.attention.looked(&rig, self.head.size, down_m, known);
         }
         if let Some(Ok(found)) = &drift {
             self.belief = Some(found.belief);
@@ -444,6 +448,38 @@ impl Scan {
     pub const fn qualify(&self) -> QualifyParams {
         self.params.memory.qualify
     }
+}
+
+/// Whether an object is seen and not guessed: a third of its pixels agree on their depth, and these
+/// spread by no more than the object is wide. What is too near for the search matches by chance, and
+/// such matches lie all over the place.
+fn is_seen(seen: &Observation, object: &LocatedObject) -> bool {
+    3 * object.agreeing_pixels >= object.pixels
+        && object.spread_m <= 2.0 * f64::from(seen.radius_mm) / 1e3
+}
+
+/// Whether a look tells something of a place of the ground: that it is free, that something stands
+/// before it, or that a known thing stands on it.
+fn measured(
+    evidence: &DepthEvidence<'_>,
+    memory: &SceneMemory,
+    [right, forward]: [f64; 2],
+) -> bool {
+    let params = memory.params();
+    let place = AskedPlace {
+        right_m: right,
+        forward_m: forward,
+        height_m: f64::from(params.above_ground_mm) / 1e3,
+        within_m: f64::from(params.cell_mm) / 2e3,
+        radius_m: 0.0,
+    };
+    let told = matches!(evidence.at(place), Evidence::FreeSpace | Evidence::Occluded);
+    told || memory.objects().any(|(name, kept)| {
+        let reach_m = f64::from(kept.radius_mm) / 1e3 + place.within_m;
+        memory
+            .from_robot(name)
+            .is_some_and(|at| (at.right_m - right).hypot(at.forward_m - forward) < reach_m)
+    })
 }
 
 /// A sighting with the errors that depth does not know of.
