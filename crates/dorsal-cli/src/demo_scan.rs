@@ -14,7 +14,6 @@ use crate::console::Console;
 use crate::memory_file::MemoryFile;
 use crate::outputs::{Outputs, ensure_folder};
 use crate::report::{Frame, scan_page};
-use crate::robot_log::{LoggedLook, RobotLog, write_log};
 use crate::scan_arguments::ScanArguments;
 use crate::scan_record::{LookOfScan, ScanRecord};
 use crate::scan_step::ScanStep;
@@ -63,9 +62,6 @@ pub(crate) fn demo_scan(arguments: &ScanArguments, out: &mut dyn Write) -> anyho
     });
     files.add("memory.dot", || anyhow::Ok(memory.to_dot().into_bytes()));
     files.write(&arguments.out)?;
-    if let (Some(path), Some(log)) = (&arguments.mcap, scanned.log) {
-        write_log(path, log)?;
-    }
     console.clear();
 
     writeln!(out, "\n{score}\n")?;
@@ -111,7 +107,6 @@ struct Scanned {
     moved: Option<String>,
     /// Where everything truly is now.
     truth: TruePlaces,
-    log: Option<RobotLog>,
 }
 
 impl Scanned {
@@ -148,7 +143,6 @@ impl Scanned {
         let scan = Scan::resume(room, params, memory)?;
         Ok(Self {
             truth: scan.truth()?,
-            log: arguments.mcap.is_some().then(RobotLog::new).transpose()?,
             scan,
             names,
             file,
@@ -179,19 +173,6 @@ impl Scanned {
         }
         if look.moved.is_some() {
             self.truth = self.scan.truth()?;
-        }
-        if let Some(log) = &mut self.log {
-            let relations = look.percept.qualitative.relations();
-            let reference = look.percept.qualitative.reference();
-            log.look(&LoggedLook {
-                time_ns: look.memory.time_ms() * 1_000_000,
-                pictures: look.shown.pictures.as_ref().map(|picture| picture.view()),
-                rig: Some(&look.rig),
-                depth: Some(&look.percept.depth),
-                objects: &look.percept.egocentric.objects,
-                names: &self.names,
-                relations: relations.iter().map(|r| r.record(reference)).collect(),
-            })?;
         }
         let step = ScanStep { look, times };
         self.frames

@@ -5,8 +5,8 @@ use dorsal::allocentric_qsr::QualifyParams;
 use dorsal::disparity_pyramid::{DenseParams, MatchParams, SearchRange};
 use dorsal::egocentric_depth::LocateParams;
 use dorsal::v1_gabor::{Binocular, GaborParams, Size};
-use dorsal::{DenseLook, Names, Range, Search};
-use stereo_formats::picture::{self, Picture};
+use dorsal::{DenseLook, Range, Search};
+use stereo_formats::picture;
 
 use crate::console::Console;
 use crate::drift_record::DriftRecord;
@@ -21,8 +21,6 @@ use crate::reference_system::reference_system;
 use crate::relation_table::relation_table;
 use crate::report::look_page;
 use crate::rig_file::read_rig;
-use crate::robot_log::{LoggedLook, RobotLog, write_log};
-use crate::sight::Sight;
 use crate::times::Times;
 
 /// Below this part of valid pixels a disparity field deserves a word.
@@ -81,9 +79,6 @@ pub(crate) fn look(arguments: &LookArguments, out: &mut dyn Write) -> anyhow::Re
     let mut writing = Times::default();
     writing.measure("writing", || files.write(&arguments.out))?;
     let times = times.and(writing);
-    if let Some(path) = &arguments.mcap {
-        write_log(path, log(&plan, &sight, &eyes)?)?;
-    }
     console.clear();
 
     if let (Some(scene), Some(rig), Some(objects)) = (&sight.scene, &sight.rig, &plan.objects) {
@@ -115,32 +110,6 @@ pub(crate) fn look(arguments: &LookArguments, out: &mut dyn Write) -> anyhow::Re
         arguments.out.display()
     )?;
     Ok(())
-}
-
-/// The look as a log of its own, at time 0.
-fn log(plan: &Plan, sight: &Sight, eyes: &Binocular<Picture>) -> anyhow::Result<RobotLog> {
-    let mut log = RobotLog::new()?;
-    let none = Names::new();
-    let names = plan
-        .objects
-        .as_ref()
-        .map_or(&none, |objects| &objects.names);
-    let scene = sight.scene.as_ref();
-    let relations = scene.map_or_else(Vec::new, |scene| {
-        let relations = scene.qualitative.relations();
-        let reference = scene.qualitative.reference();
-        relations.iter().map(|r| r.record(reference)).collect()
-    });
-    log.look(&LoggedLook {
-        time_ns: 0,
-        pictures: eyes.as_ref().map(Picture::rgb),
-        rig: sight.rig.as_ref(),
-        depth: sight.depth.as_ref(),
-        objects: scene.map_or(&[], |scene| &scene.egocentric.objects),
-        names,
-        relations,
-    })?;
-    Ok(log)
 }
 
 fn plan(arguments: &LookArguments, size: Size) -> anyhow::Result<Plan> {

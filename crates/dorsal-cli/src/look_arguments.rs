@@ -108,10 +108,6 @@ pub(crate) struct LookArguments {
     #[arg(long, value_name = "TAU", value_parser = tau)]
     pub(crate) singularity_tau: Option<f32>,
 
-    /// Log the look in MCAP, for Foxglove or the Rerun viewer
-    #[arg(long, value_name = "FILE")]
-    pub(crate) mcap: Option<PathBuf>,
-
     #[command(flatten)]
     pub(crate) threads: Threads,
 

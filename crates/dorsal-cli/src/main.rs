@@ -43,7 +43,6 @@ mod report;
 mod rig;
 mod rig_arguments;
 mod rig_file;
-mod robot_log;
 mod room;
 mod scan_arguments;
 mod scan_record;
