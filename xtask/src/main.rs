@@ -38,6 +38,7 @@ mod eval_depth;
 mod eval_flow;
 mod eval_middlebury;
 mod eval_robustness;
+mod eval_scan;
 mod eval_segment;
 mod eval_vergent;
 mod evaluation;
@@ -70,10 +71,12 @@ mod robustness_page;
 mod robustness_run;
 mod robustness_series;
 mod rows_only;
+mod scan_run;
 mod score;
 mod score_tables;
 mod segment_run;
 mod sha256;
+mod soak_looks;
 mod soak_memory;
 mod sparsification;
 mod table_1;
@@ -107,6 +110,7 @@ enum Task {
     EvalFlow(eval_flow::Options),
     EvalMiddlebury(eval_middlebury::Options),
     CheckSoundness(check_soundness::Options),
+    SoakLooks(soak_looks::Options),
     SoakMemory(soak_memory::Options),
     ExportGqr(export_gqr::Options),
     CalibrateConfidence(calibrate_confidence::Options),
@@ -116,6 +120,7 @@ enum Task {
     CompareOpencv(compare_opencv::Options),
     EvalRobustness(eval_robustness::Options),
     EvalSegment(eval_segment::Options),
+    EvalScan(eval_scan::Options),
     EvalVergent(eval_vergent::Options),
     PopulationPictures(population_pictures::Options),
 }
@@ -130,6 +135,7 @@ fn main() -> ExitCode {
         Task::EvalFlow(options) => eval_flow::run(&options),
         Task::EvalMiddlebury(options) => eval_middlebury::run(&options),
         Task::CheckSoundness(options) => check_soundness::run(&options),
+        Task::SoakLooks(options) => soak_looks::run(&options),
         Task::SoakMemory(options) => soak_memory::run(&options),
         Task::ExportGqr(options) => export_gqr::run(&options),
         Task::CalibrateConfidence(options) => calibrate_confidence::run(&options),
@@ -138,6 +144,7 @@ fn main() -> ExitCode {
         Task::CompareOpencv(options) => compare_opencv::run(&options),
         Task::EvalRobustness(options) => eval_robustness::run(&options),
         Task::EvalSegment(options) => eval_segment::run(&options),
+        Task::EvalScan(options) => eval_scan::run(&options),
         Task::EvalVergent(options) => eval_vergent::run(&options),
         Task::PopulationPictures(options) => population_pictures::run(&options),
     };

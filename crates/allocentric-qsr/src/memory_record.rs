@@ -96,9 +96,26 @@ impl SceneMemory {
             objects: self.objects.clone(),
             facts: facts.collect(),
             changes: self.changes.iter().cloned().collect(),
-            free: runs(self),
+            free: self.free_ground(),
         };
         serde_json::to_string(&record).expect("maps of strings and numbers have a form in JSON")
+    }
+
+    /// The squares of ground of the present frame that were seen free, in runs along x: row, first
+    /// column and one past the last, of squares of [`MemoryParams::cell_mm`]; row 0 begins at z = 0,
+    /// column 0 at x = 0.
+    #[must_use]
+    pub fn free_ground(&self) -> Vec<[i32; 3]> {
+        let mut squares: Vec<(i32, i32)> = self.free.iter().map(|&(x, z)| (z, x)).collect();
+        squares.sort_unstable();
+        let mut runs: Vec<[i32; 3]> = Vec::new();
+        for (row, column) in squares {
+            match runs.last_mut() {
+                Some([at, _, end]) if *at == row && *end == column => *end += 1,
+                _ => runs.push([row, column, column + 1]),
+            }
+        }
+        runs
     }
 
     /// Reads a memory, of this schema or the older one of an [`AllocentricMap`], whose objects
@@ -199,20 +216,6 @@ impl MemoryRecord {
             ..memory
         })
     }
-}
-
-/// The free squares as runs along x.
-fn runs(memory: &SceneMemory) -> Vec<[i32; 3]> {
-    let mut squares: Vec<(i32, i32)> = memory.free.iter().map(|&(x, z)| (z, x)).collect();
-    squares.sort_unstable();
-    let mut runs: Vec<[i32; 3]> = Vec::new();
-    for (row, column) in squares {
-        match runs.last_mut() {
-            Some([at, _, end]) if *at == row && *end == column => *end += 1,
-            _ => runs.push([row, column, column + 1]),
-        }
-    }
-    runs
 }
 
 fn of_map(map: &AllocentricMap) -> Result<SceneMemory, BadMemory> {

@@ -57,6 +57,8 @@ const EXAMPLES: &str = "\
 Examples:
   dorsal demo --out out
       Nothing else is needed: a real pair and a rendered room come with the command.
+  dorsal demo scan --out scan
+      A head looks about in a rendered room, and remembers: open scan/index.html.
   dorsal look left.png right.png --out out
       Disparity alone.
   dorsal look left.png right.png --out out --rig rig.toml --labels labels.toml

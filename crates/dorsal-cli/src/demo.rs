@@ -11,7 +11,8 @@ use stereo_formats::colour::ColourRange;
 use stereo_formats::{file_sign, label_png, names, pfm, picture, rig_toml};
 
 use crate::console::Console;
-use crate::demo_arguments::DemoArguments;
+use crate::demo_arguments::{DemoArguments, DemoKind};
+use crate::demo_scan::demo_scan;
 use crate::demo_scene::DemoScene;
 use crate::label_picture::label_picture;
 use crate::look_files::{coloured_png, look_files};
@@ -21,6 +22,7 @@ use crate::objects::Objects;
 use crate::outputs::{Outputs, ensure_folder};
 use crate::plan::Plan;
 use crate::relation_table::relation_table;
+use crate::report::look_page;
 use crate::room::room;
 use crate::sight::Sight;
 use crate::times::Times;
@@ -31,8 +33,12 @@ type Prepare = fn() -> anyhow::Result<DemoScene>;
 
 /// `dorsal demo`: looks at the built-in scenes, writes what is seen and compares it with the truth.
 pub(crate) fn demo(arguments: &DemoArguments, out: &mut dyn Write) -> anyhow::Result<()> {
+    if let Some(DemoKind::Scan(scan)) = &arguments.kind {
+        return demo_scan(scan, out);
+    }
     arguments.threads.install()?;
-    ensure_folder(&arguments.out)?;
+    let folder = arguments.out.as_deref().unwrap_or(Path::new("."));
+    ensure_folder(folder)?;
     let console = Console::new(arguments.quiet);
     let scenes: [(&str, Prepare); 2] = [
         ("decoding the real pair", motorcycle),
@@ -42,7 +48,7 @@ pub(crate) fn demo(arguments: &DemoArguments, out: &mut dyn Write) -> anyhow::Re
     for (step, scene) in scenes {
         console.step(step);
         let scene = scene().with_context(|| format!("{step} failed, which is a fault of ours"))?;
-        verdicts.push(show(&scene, &arguments.out, &console, out)?);
+        verdicts.push(show(&scene, folder, &console, out)?);
     }
     console.clear();
     for verdict in &verdicts {
@@ -73,7 +79,12 @@ fn show(
     let record = LookRecord::new(&plan, &sight, &times, inputs(&folder), false);
     let mut files = look_files(&plan, &sight, &scene.eyes, record);
     add_scene_files(&mut files, scene, &sight);
-    times.measure("writing", || files.write(&folder))?;
+    files.add("index.html", || {
+        look_page(scene.title, &plan, &sight, &scene.eyes, &times)
+    });
+    let mut writing = Times::default();
+    writing.measure("writing", || files.write(&folder))?;
+    let times = times.and(writing);
 
     // The spinner stands on the line where the results begin.
     console.clear();

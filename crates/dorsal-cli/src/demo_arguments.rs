@@ -1,16 +1,24 @@
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, Subcommand};
 
+use crate::scan_arguments::ScanArguments;
 use crate::threads::Threads;
 
 /// What `dorsal demo` is asked to do.
 #[derive(Debug, Args)]
-#[command(after_help = EXAMPLES)]
+#[command(
+    after_help = EXAMPLES,
+    args_conflicts_with_subcommands = true,
+    subcommand_negates_reqs = true
+)]
 pub(crate) struct DemoArguments {
+    #[command(subcommand)]
+    pub(crate) kind: Option<DemoKind>,
+
     /// Folder for the results: motorcycle and room are made in it
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: PathBuf,
+    #[arg(long, value_name = "DIR", required = true)]
+    pub(crate) out: Option<PathBuf>,
 
     #[command(flatten)]
     pub(crate) threads: Threads,
@@ -18,6 +26,13 @@ pub(crate) struct DemoArguments {
     /// Say nothing on standard error: no progress, no notes
     #[arg(long)]
     pub(crate) quiet: bool,
+}
+
+/// A demonstration of its own.
+#[derive(Debug, Subcommand)]
+pub(crate) enum DemoKind {
+    /// Lets a head scan a rendered room, and holds the map that grows against the truth
+    Scan(ScanArguments),
 }
 
 const EXAMPLES: &str = "\
@@ -32,5 +47,6 @@ at, and depths and relations are printed next to the true ones. Each folder gets
 
 The command fails with exit code 1 if a depth or a relation is not what it promises.
 
-Example:
-  dorsal demo --out out";
+Examples:
+  dorsal demo --out out
+  dorsal demo scan --out scan";

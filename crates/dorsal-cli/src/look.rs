@@ -19,6 +19,7 @@ use crate::outputs::ensure_folder;
 use crate::plan::Plan;
 use crate::reference_system::reference_system;
 use crate::relation_table::relation_table;
+use crate::report::look_page;
 use crate::rig_file::read_rig;
 use crate::times::Times;
 
@@ -74,9 +75,14 @@ pub(crate) fn look(arguments: &LookArguments, out: &mut dyn Write) -> anyhow::Re
     console.step("writing");
     let record = LookRecord::new(&plan, &sight, &times, inputs(arguments), arguments.dense);
     let median_px = record.median_disparity_px();
-    let files = look_files(&plan, &sight, &eyes, record);
+    let mut files = look_files(&plan, &sight, &eyes, record);
+    files.add("index.html", || {
+        look_page("What two eyes see", &plan, &sight, &eyes, &times)
+    });
     let names = files.names();
-    times.measure("writing", || files.write(&arguments.out))?;
+    let mut writing = Times::default();
+    writing.measure("writing", || files.write(&arguments.out))?;
+    let times = times.and(writing);
     console.clear();
 
     if let (Some(scene), Some(rig), Some(objects)) = (&sight.scene, &sight.rig, &sight.objects) {

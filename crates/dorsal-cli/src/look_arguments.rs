@@ -196,6 +196,7 @@ Files written:
   validity.png    255 valid, 200 inconsistent, 150 occluded, 100 out of view, 50 incoherent,
                   25 singular, 0 no energy
   look.json       parameters, densities, times
+  index.html      all of it to look at: one page, no network
   with --rig      depth.pfm (metres), depth.png (colours over a scale in metres), depth_mm.png
                   (16 bits, millimetres, 0 unknown), cloud.ply
   --recalibrate   rig.fixed.toml

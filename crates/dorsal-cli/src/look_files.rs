@@ -93,6 +93,7 @@ pub(crate) fn look_files<'a>(
     }
     record.files = files.names();
     record.files.push("look.json".into());
+    record.files.push("index.html".into());
     files.add("look.json", move || serde_json::to_vec_pretty(&record));
     files
 }

@@ -2,6 +2,7 @@
 //!
 //! The levels do the work; here are the people's side of it: arguments, files, pictures, clocks.
 mod arguments;
+mod base64;
 mod calibrate;
 mod calibrate_arguments;
 mod compose;
@@ -9,6 +10,7 @@ mod compose_arguments;
 mod console;
 mod demo;
 mod demo_arguments;
+mod demo_scan;
 mod demo_scene;
 mod drift_record;
 mod facts;
@@ -37,10 +39,14 @@ mod plan;
 mod pose_argument;
 mod reference_system;
 mod relation_table;
+mod report;
 mod rig;
 mod rig_arguments;
 mod rig_file;
 mod room;
+mod scan_arguments;
+mod scan_record;
+mod scan_step;
 mod scene_file;
 mod scene_record;
 mod searched;

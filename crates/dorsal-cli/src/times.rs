@@ -17,6 +17,20 @@ impl Times {
         result
     }
 
+    /// These steps and then those.
+    pub(crate) fn and(mut self, those: Self) -> Self {
+        self.0.extend(those.0);
+        self
+    }
+
+    /// The steps and their milliseconds.
+    pub(crate) fn milliseconds(&self) -> Vec<(&'static str, f64)> {
+        let steps = self.0.iter();
+        steps
+            .map(|(step, time)| (*step, milliseconds(*time)))
+            .collect()
+    }
+
     /// The steps and their milliseconds, for a person.
     pub(crate) fn sentence(&self) -> String {
         let total: Duration = self.0.iter().map(|(_, time)| *time).sum();

@@ -129,6 +129,31 @@ pub fn encode_rgb(rgb: ArrayView2<'_, [u8; 3]>) -> Result<Vec<u8>, NotAPng> {
     raster::encode_rgb8(rgb)
 }
 
+/// The bytes of a small colour JPEG to look at, never to measure in: at most `most_width` pixels wide,
+/// each the mean of the pixels it stands for.
+///
+/// # Errors
+/// [`NotAPng`] if the plane has no pixel, or more than 65535 along a side.
+pub fn encode_preview(rgb: ArrayView2<'_, [u8; 3]>, most_width: usize) -> Result<Vec<u8>, NotAPng> {
+    // Noise is what a picture's bytes go for; at this quality it is gone and edges are not.
+    const QUALITY: u8 = 72;
+    let (height, width) = rgb.dim();
+    let step = width.div_ceil(most_width.max(1)).max(1);
+    if step == 1 {
+        return raster::encode_jpeg(rgb, QUALITY);
+    }
+    let small = Array2::from_shape_fn((height.div_ceil(step), width.div_ceil(step)), |(y, x)| {
+        let (y, x) = (y * step, x * step);
+        let block = rgb.slice(ndarray::s![y..height.min(y + step), x..width.min(x + step)]);
+        let count = block.len() as u32;
+        [0, 1, 2].map(|c| {
+            let sum: u32 = block.iter().map(|pixel| u32::from(pixel[c])).sum();
+            ((sum + count / 2) / count) as u8
+        })
+    });
+    raster::encode_jpeg(small.view(), QUALITY)
+}
+
 /// Writes a colour PNG, whole or not at all; see [`encode_rgb`].
 ///
 /// # Errors

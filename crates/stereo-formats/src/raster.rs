@@ -334,6 +334,26 @@ fn encode(size: Size, samples: &[u8], kind: ExtendedColorType) -> Result<Vec<u8>
     Ok(bytes)
 }
 
+/// A colour JPEG of so much quality, 1 to 100.
+pub(crate) fn encode_jpeg(plane: ArrayView2<'_, [u8; 3]>, quality: u8) -> Result<Vec<u8>, NotAPng> {
+    let size = Size::of_dim(plane.dim());
+    let side = |pixels: usize| u16::try_from(pixels).ok().filter(|&side| side > 0);
+    let (Some(width), Some(height)) = (side(size.width), side(size.height)) else {
+        return Err(NotAPng(size));
+    };
+    let samples: Vec<u8> = plane.iter().flatten().copied().collect();
+    let mut bytes = Vec::new();
+    image::codecs::jpeg::JpegEncoder::new_with_quality(&mut bytes, quality)
+        .encode(
+            &samples,
+            width.into(),
+            height.into(),
+            ExtendedColorType::Rgb8,
+        )
+        .map_err(|_| NotAPng(size))?;
+    Ok(bytes)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

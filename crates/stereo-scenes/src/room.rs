@@ -189,6 +189,30 @@ impl Room {
         }
     }
 
+    /// A long table before a head whose view takes in a part of it only: things of the paper's
+    /// Figure 12 and others, for a head that looks about.
+    #[expect(clippy::missing_panics_doc, reason = "the text is part of this crate")]
+    #[must_use]
+    pub fn scan() -> Self {
+        Self::from_toml(include_str!("../rooms/scan.toml")).expect("a test reads the embedded room")
+    }
+
+    /// The same room with one object elsewhere, `step_m` away; the room itself if it has none of
+    /// that name.
+    ///
+    /// # Errors
+    /// [`BadRoom`] if the object would not stand inside.
+    pub fn with_moved(&self, object: &str, step_m: [f64; 3]) -> Result<Self, BadRoom> {
+        let mut room = self.clone();
+        for thing in &mut room.objects {
+            if thing.name == object {
+                thing.shape = thing.shape.moved(step_m);
+            }
+        }
+        room.check()?;
+        Ok(room)
+    }
+
     pub(crate) fn check(&self) -> Result<(), BadRoom> {
         positive("room", &self.size_m)?;
         for (name, point) in [

@@ -1,5 +1,7 @@
 use serde::Deserialize;
 
+use crate::solid::Solid;
+
 /// A solid body or a flat panel of the room, in the room frame (x right, y away, z up; metres).
 ///
 /// In a room file: `shape.sphere = { centre_m = [1.2, 0.9, 0.8], radius_m = 0.05 }`, and so on.
@@ -52,6 +54,60 @@ pub enum Shape {
 }
 
 impl Shape {
+    /// The middle of the body, in metres.
+    #[must_use]
+    pub fn centre_m(&self) -> [f64; 3] {
+        Solid::new(self).centre.to_array()
+    }
+
+    /// How high its lowest point is, in metres: that of what it stands on.
+    #[must_use]
+    pub fn foot_m(&self) -> f64 {
+        let solid = Solid::new(self);
+        solid.centre.z - solid.half_extent().z
+    }
+
+    /// The same body elsewhere, `step_m` away.
+    #[must_use]
+    pub fn moved(self, step_m: [f64; 3]) -> Self {
+        let at = |[x, y, z]: [f64; 3]| [x + step_m[0], y + step_m[1], z + step_m[2]];
+        match self {
+            Self::Box {
+                base_m,
+                size_m,
+                turn_deg,
+            } => Self::Box {
+                base_m: at(base_m),
+                size_m,
+                turn_deg,
+            },
+            Self::Sphere { centre_m, radius_m } => Self::Sphere {
+                centre_m: at(centre_m),
+                radius_m,
+            },
+            Self::Cylinder {
+                base_m,
+                radius_m,
+                height_m,
+            } => Self::Cylinder {
+                base_m: at(base_m),
+                radius_m,
+                height_m,
+            },
+            Self::Rectangle {
+                centre_m,
+                size_m,
+                turn_deg,
+                lean_deg,
+            } => Self::Rectangle {
+                centre_m: at(centre_m),
+                size_m,
+                turn_deg,
+                lean_deg,
+            },
+        }
+    }
+
     /// The lengths that must be positive.
     pub(crate) fn lengths_m(&self) -> Vec<f64> {
         match *self {

@@ -1,0 +1,54 @@
+use std::fmt;
+
+use dorsal::allocentric_qsr::ObjectId;
+
+/// A point to look at, and why.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fixation {
+    /// The point, in the observer frame: right, down, forward, in metres.
+    pub point_m: [f64; 3],
+    /// Why there.
+    pub why: Why,
+}
+
+/// Why the head looks somewhere.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Why {
+    /// It shows most of the ground that no look has measured.
+    LeastKnown {
+        /// The part of the field that is open and that it shows.
+        share: f64,
+    },
+    /// Nothing in the memory is less sure than the place of this object.
+    LeastSure {
+        /// The object.
+        object: ObjectId,
+        /// One standard error of its place, in metres.
+        sigma_m: f64,
+    },
+    /// It shows one object and not the other: the paper's Figure 12.
+    Without {
+        /// In view.
+        shown: ObjectId,
+        /// Out of view.
+        hidden: ObjectId,
+    },
+}
+
+impl fmt::Display for Why {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::LeastKnown { share } => {
+                write!(
+                    f,
+                    "least known: {:.0} % of the field to find out",
+                    100.0 * share
+                )
+            }
+            Self::LeastSure { object, sigma_m } => {
+                write!(f, "least sure: {object}, within {:.1} cm", 100.0 * sigma_m)
+            }
+            Self::Without { shown, hidden } => write!(f, "at {shown}, with {hidden} out of view"),
+        }
+    }
+}
