@@ -31,6 +31,7 @@ mod phase_quadrants;
 mod pixel_cost;
 mod row_alignment;
 mod search_range;
+mod search_windows;
 mod slanted_cells;
 mod speckles;
 mod step_penalty;

@@ -18,6 +18,7 @@ use crate::dense::phase_agreement::{COST_ORIENTATIONS, PhaseAgreement};
 use crate::dense::phase_quadrants::PhaseQuadrants;
 use crate::dense::pixel_cost::PixelCost;
 use crate::dense::search_range::SearchRange;
+use crate::dense::search_windows::SearchWindows;
 use crate::dense::slanted_cells::fit_surfaces;
 use crate::dense::speckles::reject_speckles;
 use crate::dense::step_penalty::StepPenalty;
@@ -62,6 +63,8 @@ pub struct DenseMatcher {
     cost_bank: FilterBank,
     /// The banks of hyperacuity that are not the cost's own.
     acuity_banks: Vec<FilterBank>,
+    /// The estimator at half the size that narrows the search.
+    coarse: Option<Box<Self>>,
 }
 
 /// Why no dense estimator can be planned.
@@ -99,7 +102,12 @@ impl DenseMatcher {
             Acuity::TwoBanks => vec![bank(8, 1.5, 3), bank(8, 2.27, 5)],
         };
         let plan = |params| FilterBank::plan(params, size);
+        let coarse = match params.narrow_px {
+            Some(_) => Some(Box::new(Self::plan(params.coarse(), size.halved())?)),
+            None => None,
+        };
         Ok(Self {
+            coarse,
             params,
             size,
             cost_bank: plan(bank(COST_ORIENTATIONS, 1.5, 3))?,
@@ -128,6 +136,7 @@ impl DenseMatcher {
     ) -> Result<DisparityField, WrongView> {
         self.check(eyes)?;
         let search = search.within(self.size.width);
+        let windows = self.windows(eyes, search)?;
         let guides = eyes.map(|eye| Guide::of(&eye, self.params.colour));
         let responses = eyes.try_map(|eye| respond(&self.cost_bank, &eye))?;
         let planes = responses.as_ref().map(finest);
@@ -138,13 +147,13 @@ impl DenseMatcher {
                 let cost =
                     PhaseAgreement::new(planes, self.params.silent_energy, search, penalty.unit);
                 let responses = self.kept_for_acuity(responses);
-                let (winners, other_dx) = self.compete(&cost, &guides, &penalty, search);
+                let (winners, other_dx) = self.compete(&cost, &guides, &penalty, search, &windows);
                 (winners, other_dx, responses)
             }
             Cost::PhaseQuadrants => {
                 let cost = PhaseQuadrants::new(planes, search, penalty.unit);
                 let responses = self.kept_for_acuity(responses);
-                let (winners, other_dx) = self.compete(&cost, &guides, &penalty, search);
+                let (winners, other_dx) = self.compete(&cost, &guides, &penalty, search, &windows);
                 (winners, other_dx, responses)
             }
         };
@@ -201,6 +210,21 @@ impl DenseMatcher {
         }
     }
 
+    /// Which shifts are searched where: all, or what lies near those that a look at half the size
+    /// finds.
+    fn windows(
+        &self,
+        eyes: &Binocular<EyeView<'_>>,
+        search: SearchRange,
+    ) -> Result<SearchWindows, WrongView> {
+        let (Some(coarse), Some(margin_px)) = (&self.coarse, self.params.narrow_px) else {
+            return Ok(SearchWindows::all(self.size, search));
+        };
+        let halves = eyes.map(|eye| eye.luma.halved());
+        let found = coarse.estimate(&halves.as_ref().map(EyeView::grey), search.halved())?;
+        Ok(SearchWindows::around(found.dx(), self.size, search, margin_px))
+    }
+
     /// The responses, if hyperacuity reads those that the cost was made of.
     fn kept_for_acuity(&self, responses: Binocular<V1Responses>) -> Option<Binocular<V1Responses>> {
         (self.params.acuity == Acuity::CostBank).then_some(responses)
@@ -213,21 +237,25 @@ impl DenseMatcher {
         guides: &Binocular<Guide>,
         penalty: &StepPenalty,
         search: SearchRange,
+        windows: &SearchWindows,
     ) -> (Winners, Array2<f32>) {
         let ground = Ground {
             cost,
             guide: &guides.left,
             penalty,
             shifts: search.shifts(),
+            windows,
         };
         let own_paths = self.params.look_back == LookBack::OwnPaths;
         let mut winners = aggregate(ground, search, !own_paths);
         let other_dx = match winners.other_dx.take() {
             Some(told) => told,
             None => {
+                // What the coarse look says is said of the left eye's pixels.
                 let ground = Ground {
                     cost: &cost.seen_by_the_other_eye(),
                     guide: &guides.right.mirrored(),
+                    windows: &SearchWindows::all(self.size, search),
                     ..ground
                 };
                 let mut mirrored = aggregate(ground, search, false).dx;

@@ -1,4 +1,5 @@
 use crate::dense::pixel_cost::LANES;
+use crate::dense::search_windows::Window;
 use crate::dense::wide::Wide;
 
 /// What stands beside the first and the last shift of a path: no path is dearer.
@@ -9,11 +10,33 @@ pub(crate) const MOST_PENALTY: f32 = 50.0;
 
 /// The costs of a path before its first pixel, where nothing has been paid, between two places that
 /// cost [`FAR`].
+#[inline(always)]
 pub(crate) fn unpaid(run: &mut [u8]) {
     run.fill(0);
+    guard(run);
+}
+
+/// Sets both ends of a run to [`FAR`].
+#[inline(always)]
+pub(crate) fn guard(run: &mut [u8]) {
     if let [first, .., last] = run {
         (*first, *last) = (FAR, FAR);
     }
+}
+
+/// Tells a run of another window of shifts what the one before has found: what only the one before
+/// had is forgotten but for its least, what only this one has costs [`FAR`]. `spare` is overwritten.
+#[inline(always)]
+pub(crate) fn moved(run: &mut [u8], from: Window, to: Window, spare: &mut [u8]) {
+    let moved = &mut spare[..to.places + 2];
+    moved.fill(FAR);
+    let start = from.first.max(to.first);
+    let end = (from.first + from.places).min(to.first + to.places);
+    if start < end {
+        let kept = &run[1 + start - from.first..1 + end - from.first];
+        moved[1 + start - to.first..1 + end - to.first].copy_from_slice(kept);
+    }
+    run[..to.places + 2].copy_from_slice(moved);
 }
 
 /// One step of a path to its next pixel:

@@ -63,9 +63,10 @@ impl PhaseAgreement {
 
 impl PixelCost for PhaseAgreement {
     #[inline(always)]
-    fn costs<W: Wide>(&self, wide: W, x: usize, y: usize, costs: &mut [u8]) {
+    fn costs<W: Wide>(&self, wide: W, x: usize, y: usize, first: usize, costs: &mut [u8]) {
         let place = self.padding.place(x);
-        let run = self.padding.first(x)..self.padding.first(x) + costs.len();
+        let first = self.padding.first(x) + first;
+        let run = first..first + costs.len();
         let (left, right) = (&self.eyes.left, &self.eyes.right);
         let own: [[u8; 2]; COST_ORIENTATIONS] = std::array::from_fn(|q| left.row(y, q)[place]);
         // The products with the bias of the other eye's parts are the same for all shifts.

@@ -48,12 +48,12 @@ impl PhaseQuadrants {
 
 impl PixelCost for PhaseQuadrants {
     #[inline(always)]
-    fn costs<W: Wide>(&self, _: W, x: usize, y: usize, costs: &mut [u8]) {
+    fn costs<W: Wide>(&self, _: W, x: usize, y: usize, first: usize, costs: &mut [u8]) {
         let (left, right) = (&self.eyes.left, &self.eyes.right);
         let place = y * left.stride + self.padding.place(x);
         let (quadrants, heard) = (left.quadrants[place], left.heard[place]);
         let unit = u16::from(self.unit);
-        let first = y * right.stride + self.padding.first(x);
+        let first = y * right.stride + self.padding.first(x) + first;
         let run = first..first + costs.len();
         let others = right.quadrants[run.clone()].iter().zip(&right.heard[run]);
         for (cost, (&other, &other_heard)) in costs.iter_mut().zip(others) {

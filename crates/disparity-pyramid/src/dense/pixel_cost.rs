@@ -8,10 +8,10 @@ pub(crate) const LANES: usize = 32;
 /// Implementors hold both eyes' codes with the borders replicated as far as the search reaches, so
 /// that a shift out of view costs what the last one in view does.
 pub(crate) trait PixelCost: Sync {
-    /// The costs of pixel `(x, y)` at the least shift and those after it, one for each place of
-    /// `costs`; the length is a multiple of [`LANES`]. No cost is above
+    /// The costs of pixel `(x, y)` at the `first` shift of the search and those after it, one for
+    /// each place of `costs`; the length is a multiple of [`LANES`]. No cost is above
     /// [`StepPenalty::MOST_COST`](crate::dense::step_penalty::StepPenalty::MOST_COST) units.
-    fn costs<W: Wide>(&self, wide: W, x: usize, y: usize, costs: &mut [u8]);
+    fn costs<W: Wide>(&self, wide: W, x: usize, y: usize, first: usize, costs: &mut [u8]);
 
     /// The same cost seen from the other eye, in mirror images: what was searched to the left for
     /// is again to the left, so the range of shifts stays as it is.
