@@ -12,6 +12,7 @@
 //! 7. surface cells: a slanted plane about each pixel;
 //! 8. confidence.
 mod aggregate;
+mod bank_rows;
 mod confidence;
 mod cross_arms;
 mod dense_matcher;

@@ -1,5 +1,6 @@
-use ndarray::Array2;
+use ndarray::{Array2, ArrayView2, Axis};
 use pulp::{Arch, NullaryFnOnce};
+use rayon::prelude::*;
 
 use crate::dense::partial_field::{PartialField, is_hidden};
 
@@ -34,9 +35,10 @@ pub(crate) fn fill(field: &PartialField, otherwise: f32) -> Array2<f32> {
             let behind = field.backgrounds(y);
             for (x, dx) in filled.iter_mut().enumerate() {
                 if !known[x] {
-                    match behind[x].filter(|_| is_hidden(validity[x])) {
-                        Some(behind) => *dx = behind,
-                        None => columns.push(x),
+                    if is_hidden(validity[x]) && behind[x].is_finite() {
+                        *dx = behind[x];
+                    } else {
+                        columns.push(x);
                     }
                 }
             }
@@ -74,6 +76,38 @@ pub(crate) fn fill(field: &PartialField, otherwise: f32) -> Array2<f32> {
         }
         onward.pass(field, y);
     }
+    filled
+}
+
+/// The field with a shift everywhere: a hidden pixel takes what lies behind it on its row, any other
+/// what a look at half the size, `coarse_dx` in its own pixels, has found or filled there.
+pub(crate) fn fill_from_coarse(
+    field: &PartialField,
+    coarse_dx: ArrayView2<'_, f32>,
+) -> Array2<f32> {
+    let mut filled = field.dx.clone();
+    filled
+        .axis_iter_mut(Axis(0))
+        .into_par_iter()
+        .enumerate()
+        .for_each(|(y, mut filled)| {
+            let (known, validity) = (field.known.row(y), field.validity.row(y));
+            let coarse = coarse_dx.row(y / 2);
+            if known.iter().all(|known| *known) {
+                return;
+            }
+            let behind = field.backgrounds(y);
+            for (x, dx) in filled.iter_mut().enumerate() {
+                if !known[x] {
+                    let hidden = is_hidden(validity[x]) && behind[x].is_finite();
+                    *dx = if hidden {
+                        behind[x]
+                    } else {
+                        2.0 * coarse[x / 2]
+                    };
+                }
+            }
+        });
     filled
 }
 

@@ -1,8 +1,9 @@
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
-use v1_gabor::{Binocular, Responses};
+use v1_gabor::{Binocular, FilterBank, LumaImage, WrongSize};
 
 use crate::SearchRange;
+use crate::dense::bank_rows::BankRows;
 use crate::dense::padding::Padding;
 use crate::dense::pixel_cost::{LANES, PixelCost};
 use crate::dense::wide::Wide;
@@ -40,24 +41,29 @@ struct NormalisedResponses {
 }
 
 impl PhaseAgreement {
-    /// Takes the finest responses of both eyes, of [`COST_ORIENTATIONS`] orientations each. `unit`
-    /// is what a unit of cost is.
+    /// What a bank of [`COST_ORIENTATIONS`] orientations says of both eyes. `unit` is what a unit of
+    /// cost is.
+    ///
+    /// # Errors
+    /// [`WrongSize`] if the bank was planned for others.
     pub(crate) fn new(
-        eyes: Binocular<&Responses>,
+        bank: &FilterBank,
+        eyes: Binocular<&LumaImage>,
         silent_energy: f32,
         search: SearchRange,
         unit: u8,
-    ) -> Self {
+    ) -> Result<Self, WrongSize> {
         let padding = Padding::of(search);
         // The sum over the orientations of the products of full responses is a unit, cut off.
         let full = (f32::from(unit) * CUT / COST_ORIENTATIONS as f32).sqrt();
         // Rounding lengthens a pixel's vector of eight parts by at most half of sqrt 8.
         let longest = (COST_ORIENTATIONS as f32).sqrt() * full + 2.0f32.sqrt();
-        Self {
-            eyes: eyes.map(|eye| NormalisedResponses::of(eye, silent_energy, full, padding)),
+        Ok(Self {
+            eyes: eyes
+                .try_map(|eye| NormalisedResponses::of(bank, eye, silent_energy, full, padding))?,
             padding,
             most: (longest * longest).ceil() as i16,
-        }
+        })
     }
 }
 
@@ -184,15 +190,21 @@ fn byte(value: f32) -> u8 {
 }
 
 impl NormalisedResponses {
-    fn of(responses: &Responses, silent_energy: f32, full: f32, padding: Padding) -> Self {
-        let size = responses.size();
+    fn of(
+        bank: &FilterBank,
+        eye: &LumaImage,
+        silent_energy: f32,
+        full: f32,
+        padding: Padding,
+    ) -> Result<Self, WrongSize> {
+        let size = bank.size();
         let stride = padding.stride(size.width);
-        let mut parts = vec![[BIAS; 2]; size.height * COST_ORIENTATIONS * stride];
-        let samples = responses.samples().as_chunks().0;
-        parts
-            .par_chunks_mut(COST_ORIENTATIONS * stride)
-            .zip(samples.par_chunks(size.width))
-            .for_each(|(rows, samples)| {
+        let mut parts = vec![[0; 2]; size.height * COST_ORIENTATIONS * stride];
+        let rows = parts.par_chunks_mut(COST_ORIENTATIONS * stride);
+        rows.enumerate().try_for_each_init(
+            || BankRows::of(bank),
+            |space, (y, rows)| {
+                let samples = space.row(bank, eye, y)?.as_chunks().0;
                 let own = padding.place(0)..padding.place(size.width);
                 let mut each = rows.chunks_exact_mut(stride);
                 let rows: [&mut [[u8; 2]]; COST_ORIENTATIONS] = std::array::from_fn(|_| {
@@ -205,11 +217,13 @@ impl NormalisedResponses {
                     full,
                     rows,
                 });
-            });
-        for row in parts.chunks_exact_mut(stride) {
-            padding.replicate(row);
-        }
-        Self { stride, parts }
+                Ok(())
+            },
+        )?;
+        parts
+            .par_chunks_mut(stride)
+            .for_each(|row| padding.replicate(row));
+        Ok(Self { stride, parts })
     }
 
     /// One row of one orientation, padded.

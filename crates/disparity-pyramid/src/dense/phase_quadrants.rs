@@ -1,7 +1,8 @@
 use rayon::prelude::*;
-use v1_gabor::{Binocular, Responses};
+use v1_gabor::{Binocular, FilterBank, LumaImage, WrongSize};
 
 use crate::SearchRange;
+use crate::dense::bank_rows::BankRows;
 use crate::dense::padding::Padding;
 use crate::dense::phase_agreement::COST_ORIENTATIONS;
 use crate::dense::pixel_cost::PixelCost;
@@ -34,15 +35,23 @@ struct QuadrantCodes {
 }
 
 impl PhaseQuadrants {
-    /// Takes the finest responses of both eyes, of [`COST_ORIENTATIONS`] orientations each. `unit`
-    /// is what a unit of cost is.
-    pub(crate) fn new(eyes: Binocular<&Responses>, search: SearchRange, unit: u8) -> Self {
+    /// What a bank of [`COST_ORIENTATIONS`] orientations says of both eyes. `unit` is what a unit of
+    /// cost is.
+    ///
+    /// # Errors
+    /// [`WrongSize`] if the bank was planned for others.
+    pub(crate) fn new(
+        bank: &FilterBank,
+        eyes: Binocular<&LumaImage>,
+        search: SearchRange,
+        unit: u8,
+    ) -> Result<Self, WrongSize> {
         let padding = Padding::of(search);
-        Self {
-            eyes: eyes.map(|eye| QuadrantCodes::of(eye, padding)),
+        Ok(Self {
+            eyes: eyes.try_map(|eye| QuadrantCodes::of(bank, eye, padding))?,
             padding,
             unit,
-        }
+        })
     }
 }
 
@@ -75,8 +84,8 @@ impl PixelCost for PhaseQuadrants {
 }
 
 impl QuadrantCodes {
-    fn of(responses: &Responses, padding: Padding) -> Self {
-        let size = responses.size();
+    fn of(bank: &FilterBank, eye: &LumaImage, padding: Padding) -> Result<Self, WrongSize> {
+        let size = bank.size();
         let stride = padding.stride(size.width);
         let mut quadrants = vec![0; size.height * stride];
         let mut heard = vec![0; size.height * stride];
@@ -86,26 +95,30 @@ impl QuadrantCodes {
         )
             .into_par_iter()
             .enumerate()
-            .for_each(|(y, (quadrants, heard))| {
-                for x in 0..size.width {
-                    let pixel = responses.pixel(x, y);
-                    let place = padding.place(x);
-                    for q in 0..COST_ORIENTATIONS {
-                        let (even, odd) = (pixel.even[q], pixel.odd[q]);
-                        let code = u8::from(even > 0.0) | u8::from(odd > 0.0) << 1;
-                        let loud = even * even + odd * odd > HEARD_AMPLITUDE * HEARD_AMPLITUDE;
-                        quadrants[place] |= code << (2 * q);
-                        heard[place] |= (0b11 * u8::from(loud)) << (2 * q);
+            .try_for_each_init(
+                || BankRows::of(bank),
+                |space, (y, (quadrants, heard))| {
+                    let row = space.row(bank, eye, y)?;
+                    for (x, pixel) in row.chunks_exact(2 * COST_ORIENTATIONS).enumerate() {
+                        let place = padding.place(x);
+                        for q in 0..COST_ORIENTATIONS {
+                            let (even, odd) = (pixel[q], pixel[COST_ORIENTATIONS + q]);
+                            let code = u8::from(even > 0.0) | u8::from(odd > 0.0) << 1;
+                            let loud = even * even + odd * odd > HEARD_AMPLITUDE * HEARD_AMPLITUDE;
+                            quadrants[place] |= code << (2 * q);
+                            heard[place] |= (0b11 * u8::from(loud)) << (2 * q);
+                        }
                     }
-                }
-                padding.replicate(quadrants);
-                padding.replicate(heard);
-            });
-        Self {
+                    padding.replicate(quadrants);
+                    padding.replicate(heard);
+                    Ok(())
+                },
+            )?;
+        Ok(Self {
             stride,
             quadrants,
             heard,
-        }
+        })
     }
 
     fn mirrored(&self, padding: Padding) -> Self {

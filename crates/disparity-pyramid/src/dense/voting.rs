@@ -30,10 +30,9 @@ pub(crate) fn vote(field: &mut PartialField, arms: &CrossArms<'_>, search: Searc
                         return None;
                     }
                     let winner = elect(field, arms, search, bins, (x, y))?;
-                    let behind = behind[x].filter(|_| is_hidden(field.validity[[y, x]]));
-                    behind
-                        .is_none_or(|behind| winner >= behind - HIDDEN_NEARER_PX)
-                        .then_some(winner)
+                    let seen_by_both = !is_hidden(field.validity[[y, x]]);
+                    let fits = seen_by_both || winner >= behind[x] - HIDDEN_NEARER_PX;
+                    fits.then_some(winner)
                 });
                 elected.collect()
             },
