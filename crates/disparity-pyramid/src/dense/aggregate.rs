@@ -4,9 +4,9 @@ use rayon::prelude::*;
 use crate::SearchRange;
 use crate::dense::guide::Guide;
 use crate::dense::padding::Padding;
-use crate::dense::path_step::{guard, moved, path_step, unpaid};
+use crate::dense::path_step::{moved, path_step};
 use crate::dense::pixel_cost::{LANES, PixelCost};
-use crate::dense::search_windows::{SearchWindows, Window};
+use crate::dense::search_windows::{RowWindows, SearchWindows, Window};
 use crate::dense::step_penalty::StepPenalty;
 use crate::dense::wide::{Wide, WideWork, widest};
 use crate::dense::winner::{NO_SHIFT, winner};
@@ -70,7 +70,7 @@ pub(crate) fn aggregate<C: PixelCost>(
     let band = (ROWS_A_JOB * threads).min(height.next_multiple_of(ROWS_A_JOB));
     let columns = width.div_ceil(threads);
 
-    let mut down = vec![0; width * (places + 2)];
+    let mut down = vec![0; width * places];
     let mut down_least = vec![0; width];
     let mut costs = vec![0; band * width * places];
     let mut sums = vec![0; band * width * places];
@@ -82,7 +82,7 @@ pub(crate) fn aggregate<C: PixelCost>(
     for top in (0..height).step_by(band) {
         let rows = band.min(height - top);
         let mut strips: Vec<Strip<'_, C>> = down
-            .chunks_mut(columns * (places + 2))
+            .chunks_mut(columns * places)
             .zip(down_least.chunks_mut(columns))
             .enumerate()
             .map(|(i, (runs, least))| Strip {
@@ -174,7 +174,7 @@ impl<C: PixelCost> WideWork for Strip<'_, C> {
             costs,
             sums,
         } = self;
-        let mut now = vec![0; places + 2];
+        let mut spare = vec![0; places];
         for (row, (costs, sums)) in costs.into_iter().zip(sums).enumerate() {
             let y = top + row;
             let windows = ground.windows.row(y);
@@ -183,7 +183,7 @@ impl<C: PixelCost> WideWork for Strip<'_, C> {
             let pixels = costs
                 .chunks_exact_mut(places)
                 .zip(sums.chunks_exact_mut(places))
-                .zip(runs.chunks_exact_mut(places + 2).zip(&mut *least));
+                .zip(runs.chunks_exact_mut(places).zip(&mut *least));
             for (column, ((costs, sums), (run, least))) in pixels.enumerate() {
                 let x = start + column;
                 let window = windows.at(x);
@@ -195,14 +195,11 @@ impl<C: PixelCost> WideWork for Strip<'_, C> {
                     *cost = NO_SHIFT;
                 }
                 let large = match above {
-                    None => {
-                        unpaid(&mut run[..window.places + 2]);
-                        0
-                    }
+                    None => 0,
                     Some((steps, windows)) => {
                         let before = windows.at(x);
                         if before != window {
-                            moved(run, before, window, &mut now);
+                            moved(run, before, window, &mut spare);
                         }
                         ground.penalty.large(steps[x])
                     }
@@ -210,13 +207,10 @@ impl<C: PixelCost> WideWork for Strip<'_, C> {
                 let penalties = (ground.penalty.small, large);
                 let costs = costs.as_chunks().0;
                 let sums = sums[..window.places].as_chunks_mut().0;
-                *least = path_step(wide, run, *least, penalties, costs, &mut now, |i, cost| {
+                let run = run.as_chunks_mut().0;
+                *least = path_step(wide, run, *least, penalties, costs, |i, cost| {
                     wide.store(cost, &mut sums[i]);
                 });
-                let next = run[1..=window.places].as_chunks_mut().0;
-                for (next, cost) in next.iter_mut().zip(&*sums) {
-                    wide.store(wide.load(cost), next);
-                }
             }
         }
     }
@@ -226,10 +220,10 @@ impl<C: PixelCost> WideWork for Strip<'_, C> {
 #[derive(Clone, Debug)]
 struct RowSpace {
     places: usize,
-    /// The costs of a path along the row at two pixels, and the least at the first of them.
-    before: Vec<u8>,
-    now: Vec<u8>,
+    /// The costs of a path along the row at its last pixel, and the least of them.
+    run: Vec<u8>,
     least: u8,
+    spare: Vec<u8>,
     total: Vec<u8>,
     /// What a large step from each pixel to the one before costs.
     large: Vec<u8>,
@@ -261,9 +255,9 @@ impl RowSpace {
         };
         Self {
             places,
-            before: vec![0; places + 2],
-            now: vec![0; places + 2],
+            run: vec![0; places],
             least: 0,
+            spare: vec![0; places],
             total: vec![0; places],
             large: vec![0; width + 1],
             other: vec![other; search.shifts().div_ceil(BLOCK)],
@@ -271,11 +265,10 @@ impl RowSpace {
         }
     }
 
-    /// Before the first pixel of a path.
+    /// Before the first pixel of a path, where nothing has been paid.
     #[inline(always)]
-    fn begin(&mut self, window: Window) {
-        unpaid(&mut self.before[..window.places + 2]);
-        unpaid(&mut self.now[..window.places + 2]);
+    fn begin(&mut self) {
+        self.run.fill(0);
         self.least = 0;
     }
 
@@ -283,8 +276,7 @@ impl RowSpace {
     #[inline(always)]
     fn enter(&mut self, from: Window, to: Window) {
         if from != to {
-            moved(&mut self.before, from, to, &mut self.now);
-            guard(&mut self.now[..to.places + 2]);
+            moved(&mut self.run, from, to, &mut self.spare);
         }
     }
 }
@@ -321,16 +313,19 @@ impl<C: PixelCost> WideWork for Rows<'_, C> {
         let (rows, width) = dx.dim();
         let spaces = &mut spaces[..rows];
         let small = ground.penalty.small;
+        let last = ground.guide.height() - 1;
+        let windows: [RowWindows<'_>; ROWS_A_JOB] =
+            std::array::from_fn(|row| ground.windows.row((top + row).min(last)));
         for (row, space) in spaces.iter_mut().enumerate() {
             let steps = ground.guide.beside(top + row);
             for (large, step) in space.large[1..].iter_mut().zip(steps) {
                 *large = ground.penalty.large(*step);
             }
-            space.begin(ground.windows.row(top + row).at(0));
+            space.begin();
         }
         for x in 0..width {
             for (row, space) in spaces.iter_mut().enumerate() {
-                let windows = ground.windows.row(top + row);
+                let windows = windows[row];
                 let window = windows.at(x);
                 space.enter(windows.at(x.saturating_sub(1)), window);
                 let pixel = (row * width + x) * space.places;
@@ -338,17 +333,15 @@ impl<C: PixelCost> WideWork for Rows<'_, C> {
                 let costs = costs[pixel.clone()].as_chunks().0;
                 let sums = sums[pixel].as_chunks_mut().0;
                 let penalties = (small, space.large[x]);
-                let (before, now) = (&space.before, &mut space.now);
-                let least = space.least;
-                space.least = path_step(wide, before, least, penalties, costs, now, |i, cost| {
+                let run = space.run.as_chunks_mut().0;
+                space.least = path_step(wide, run, space.least, penalties, costs, |i, cost| {
                     wide.store(wide.add(wide.load(&sums[i]), cost), &mut sums[i]);
                 });
-                std::mem::swap(&mut space.before, &mut space.now);
             }
         }
 
-        for (row, space) in spaces.iter_mut().enumerate() {
-            space.begin(ground.windows.row(top + row).at(width - 1));
+        for space in &mut *spaces {
+            space.begin();
             if other_dx.is_some() {
                 for other in &mut space.other {
                     other.least.fill(NO_SHIFT);
@@ -357,7 +350,7 @@ impl<C: PixelCost> WideWork for Rows<'_, C> {
         }
         for x in (0..width).rev() {
             for (row, space) in spaces.iter_mut().enumerate() {
-                let windows = ground.windows.row(top + row);
+                let windows = windows[row];
                 let window = windows.at(x);
                 space.enter(windows.at((x + 1).min(width - 1)), window);
                 let pixel = (row * width + x) * space.places;
@@ -365,19 +358,18 @@ impl<C: PixelCost> WideWork for Rows<'_, C> {
                 let costs = costs[pixel.clone()].as_chunks().0;
                 let sums = sums[pixel].as_chunks().0;
                 let penalties = (small, space.large[x + 1]);
-                let (before, now) = (&space.before, &mut space.now);
-                let (least, total) = (space.least, space.total.as_chunks_mut().0);
+                let run = space.run.as_chunks_mut().0;
+                let total = space.total.as_chunks_mut().0;
                 let mut lowest = wide.splat(NO_SHIFT);
-                space.least = path_step(wide, before, least, penalties, costs, now, |i, cost| {
+                space.least = path_step(wide, run, space.least, penalties, costs, |i, cost| {
                     let sum = wide.add(wide.load(&sums[i]), cost);
                     lowest = wide.min(lowest, sum);
                     wide.store(sum, &mut total[i]);
                 });
-                std::mem::swap(&mut space.before, &mut space.now);
                 if other_dx.is_some() {
                     space.tell_the_other(wide, x, window);
                 }
-                let total = &mut space.total[..window.places];
+                let total = &space.total[..window.places];
                 let found = winner(wide, total, wide.least(lowest));
                 let whole = search.least_dx() + (window.first + found.place) as i32;
                 dx[[row, x]] = whole as f32 + found.beyond;
@@ -441,7 +433,7 @@ impl RowSpace {
 }
 
 /// The first places of a run.
-const FIRST_PLACES: [u8; LANES] = [
+pub(crate) const FIRST_PLACES: [u8; LANES] = [
     0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25,
     26, 27, 28, 29, 30, 31,
 ];
