@@ -5,7 +5,7 @@ use crate::SearchRange;
 use crate::dense::guide::Guide;
 use crate::dense::padding::Padding;
 use crate::dense::path_step::{moved, path_step};
-use crate::dense::pixel_cost::{LANES, PixelCost};
+use crate::dense::pixel_cost::{LANES, PixelCost, RowCost};
 use crate::dense::search_windows::{RowWindows, SearchWindows, Window};
 use crate::dense::step_penalty::StepPenalty;
 use crate::dense::wide::{Wide, WideWork, widest};
@@ -177,7 +177,7 @@ impl<C: PixelCost> WideWork for Strip<'_, C> {
         let mut spare = vec![0; places];
         for (row, (costs, sums)) in costs.into_iter().zip(sums).enumerate() {
             let y = top + row;
-            let windows = ground.windows.row(y);
+            let (cost, windows) = (ground.cost.row(y), ground.windows.row(y));
             let above = y.checked_sub(1);
             let above = above.map(|y| (ground.guide.below(y), ground.windows.row(y)));
             let pixels = costs
@@ -188,7 +188,7 @@ impl<C: PixelCost> WideWork for Strip<'_, C> {
                 let x = start + column;
                 let window = windows.at(x);
                 let costs = &mut costs[..window.places];
-                ground.cost.costs(wide, x, y, window.first, costs);
+                cost.costs(wide, x, window.first, costs);
                 // What is no shift costs the most there is.
                 let left_over = costs.iter_mut().skip(ground.shifts - window.first);
                 for cost in left_over {
@@ -457,14 +457,23 @@ mod tests {
     }
 
     impl PixelCost for Given {
-        fn costs<W: Wide>(&self, _: W, x: usize, y: usize, first: usize, costs: &mut [u8]) {
-            let start = (y * self.width + x) * self.shifts + first;
-            let shifts = costs.len().min(self.shifts - first);
-            costs[..shifts].copy_from_slice(&self.costs[start..start + shifts]);
+        type Row<'a> = (&'a Self, usize);
+
+        fn row(&self, y: usize) -> (&Self, usize) {
+            (self, y)
         }
 
         fn seen_by_the_other_eye(&self) -> Self {
             unreachable!("aggregation looks with one eye")
+        }
+    }
+
+    impl RowCost for (&Given, usize) {
+        fn costs<W: Wide>(self, _: W, x: usize, first: usize, costs: &mut [u8]) {
+            let (given, y) = self;
+            let start = (y * given.width + x) * given.shifts + first;
+            let shifts = costs.len().min(given.shifts - first);
+            costs[..shifts].copy_from_slice(&given.costs[start..start + shifts]);
         }
     }
 

@@ -6,7 +6,7 @@ use crate::dense::confidence::{Evidence, confidence};
 use crate::dense::cross_arms::CrossArms;
 use crate::dense::dense_params::{Acuity, BadDenseParam, Cost, DenseParams, LookBack};
 use crate::dense::eye_view::EyeView;
-use crate::dense::fill::{fill, fill_from_coarse};
+use crate::dense::fill::fill;
 use crate::dense::guide::Guide;
 use crate::dense::hyperacuity::sharpen;
 use crate::dense::local_range::local_range;
@@ -156,7 +156,7 @@ impl DenseMatcher {
         drop(other_dx);
         let PartialField {
             mut dx, validity, ..
-        } = self.complete(dx, validity, &guides.left, coarse.as_ref(), search);
+        } = self.complete(dx, validity, &guides.left, search);
 
         let ranges = local_range(dx.view());
         let steady = validity.mapv(Validity::is_valid);
@@ -288,7 +288,6 @@ impl DenseMatcher {
         dx: Array2<f32>,
         validity: Array2<Validity>,
         guide: &Guide,
-        coarse: Option<&DisparityField>,
         search: SearchRange,
     ) -> PartialField {
         let mut field = PartialField::new(dx, validity);
@@ -298,14 +297,9 @@ impl DenseMatcher {
                 vote(&mut field, &arms, search);
             }
         }
-        field.dx = match coarse {
-            Some(coarse) => fill_from_coarse(&field, coarse.dx()),
-            None => {
-                // Where nothing at all is known, the shift that says least.
-                let otherwise = 0.clamp(search.least_dx(), search.most_dx()) as f32;
-                fill(&field, otherwise)
-            }
-        };
+        // Where nothing at all is known, the shift that says least.
+        let otherwise = 0.clamp(search.least_dx(), search.most_dx()) as f32;
+        field.dx = fill(&field, otherwise);
         if self.params.median {
             field.dx = median_of_known(field.dx.view(), MedianRadius::Two);
         }

@@ -1,6 +1,5 @@
-use ndarray::{Array2, ArrayView2, Axis};
+use ndarray::Array2;
 use pulp::{Arch, NullaryFnOnce};
-use rayon::prelude::*;
 
 use crate::dense::partial_field::{PartialField, is_hidden};
 
@@ -79,38 +78,6 @@ pub(crate) fn fill(field: &PartialField, otherwise: f32) -> Array2<f32> {
     filled
 }
 
-/// The field with a shift everywhere: a hidden pixel takes what lies behind it on its row, any other
-/// what a look at half the size, `coarse_dx` in its own pixels, has found or filled there.
-pub(crate) fn fill_from_coarse(
-    field: &PartialField,
-    coarse_dx: ArrayView2<'_, f32>,
-) -> Array2<f32> {
-    let mut filled = field.dx.clone();
-    filled
-        .axis_iter_mut(Axis(0))
-        .into_par_iter()
-        .enumerate()
-        .for_each(|(y, mut filled)| {
-            let (known, validity) = (field.known.row(y), field.validity.row(y));
-            let coarse = coarse_dx.row(y / 2);
-            if known.iter().all(|known| *known) {
-                return;
-            }
-            let behind = field.backgrounds(y);
-            for (x, dx) in filled.iter_mut().enumerate() {
-                if !known[x] {
-                    let hidden = is_hidden(validity[x]) && behind[x].is_finite();
-                    *dx = if hidden {
-                        behind[x]
-                    } else {
-                        2.0 * coarse[x / 2]
-                    };
-                }
-            }
-        });
-    filled
-}
-
 /// What is nearest in each direction that leads back to the rows walked over, from each pixel of
 /// the last of them, itself included: infinite where nothing is known.
 struct Onward {
@@ -149,11 +116,37 @@ impl Onward {
             let from = if back == 1 { &*latest } else { &*before };
             let from = &from[FARTHEST.wrapping_add_signed(step)..];
             let mut next = std::mem::take(&mut self.spare);
-            let row = next[FARTHEST..].iter_mut().zip(from).zip(&self.own);
-            for ((next, &from), &own) in row {
-                *next = if own < f32::INFINITY { own } else { from };
-            }
+            Arch::new().dispatch(Seen {
+                next: &mut next[FARTHEST..],
+                from,
+                own: &self.own,
+            });
             self.spare = std::mem::replace(before, std::mem::replace(latest, next));
+        }
+    }
+}
+
+/// What a row is seen to hold in one direction: its own where it knows something, else what it sees.
+struct Seen<'a> {
+    next: &'a mut [f32],
+    from: &'a [f32],
+    own: &'a [f32],
+}
+
+impl NullaryFnOnce for Seen<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { next, from, own } = self;
+        let length = own.len();
+        let (next, from) = (&mut next[..length], &from[..length]);
+        for i in 0..length {
+            next[i] = if own[i] < f32::INFINITY {
+                own[i]
+            } else {
+                from[i]
+            };
         }
     }
 }

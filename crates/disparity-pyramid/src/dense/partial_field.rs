@@ -26,6 +26,9 @@ impl PartialField {
     /// lies behind it. Minus infinity if the row knows nothing but the pixel itself.
     pub(crate) fn backgrounds(&self, y: usize) -> Vec<f32> {
         let (dx, known) = (self.dx.row(y), self.known.row(y));
+        let (Some(dx), Some(known)) = (dx.to_slice(), known.to_slice()) else {
+            unreachable!("planes are made in row-major order")
+        };
         let mut behind = vec![f32::NEG_INFINITY; dx.len()];
         let mut nearest = f32::NEG_INFINITY;
         for ((behind, dx), known) in behind.iter_mut().zip(dx).zip(known) {

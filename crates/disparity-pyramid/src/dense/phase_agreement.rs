@@ -5,7 +5,7 @@ use v1_gabor::{Binocular, FilterBank, LumaImage, WrongSize};
 use crate::SearchRange;
 use crate::dense::bank_rows::BankRows;
 use crate::dense::padding::Padding;
-use crate::dense::pixel_cost::{LANES, PixelCost};
+use crate::dense::pixel_cost::{LANES, PixelCost, RowCost};
 use crate::dense::wide::Wide;
 
 /// Orientations of the bank that the cost is taken from: more change nothing.
@@ -68,36 +68,26 @@ impl PhaseAgreement {
 }
 
 impl PixelCost for PhaseAgreement {
+    type Row<'a> = AgreementRow<'a>;
+
     #[inline(always)]
-    fn costs<W: Wide>(&self, wide: W, x: usize, y: usize, first: usize, costs: &mut [u8]) {
-        let place = self.padding.place(x);
-        let first = self.padding.first(x) + first;
-        let run = first..first + costs.len();
-        let (left, right) = (&self.eyes.left, &self.eyes.right);
-        let own: [[u8; 2]; COST_ORIENTATIONS] = std::array::from_fn(|q| left.row(y, q)[place]);
-        // The products with the bias of the other eye's parts are the same for all shifts.
-        let biased = own.as_flattened().iter().fold(0i16, |sum, part| {
-            sum.wrapping_add(i16::from(*part) - i16::from(BIAS))
-        });
-        let base = self.most.wrapping_add(i16::from(BIAS).wrapping_mul(biased));
-        let left = Left {
-            base: wide.splat_word(base),
-            pairs: [
-                splat_without_bias(wide, own[0]),
-                splat_without_bias(wide, own[1]),
-                splat_without_bias(wide, own[2]),
-                splat_without_bias(wide, own[3]),
+    fn row(&self, y: usize) -> AgreementRow<'_> {
+        let Binocular { left, right } = &self.eyes;
+        AgreementRow {
+            left: [
+                left.row(y, 0),
+                left.row(y, 1),
+                left.row(y, 2),
+                left.row(y, 3),
             ],
-        };
-        let runs_a = blocks(right.row(y, 0), &run);
-        let runs_b = blocks(right.row(y, 1), &run);
-        let runs_c = blocks(right.row(y, 2), &run);
-        let runs_d = blocks(right.row(y, 3), &run);
-        let runs = runs_a.iter().zip(runs_b).zip(runs_c.iter().zip(runs_d));
-        for (costs, ((a, b), (c, d))) in costs.as_chunks_mut::<LANES>().0.iter_mut().zip(runs) {
-            let first = left.disagreement(wide, [&a[0], &b[0], &c[0], &d[0]]);
-            let second = left.disagreement(wide, [&a[1], &b[1], &c[1], &d[1]]);
-            wide.store(wide.upper_6(first, second), costs);
+            right: [
+                right.row(y, 0),
+                right.row(y, 1),
+                right.row(y, 2),
+                right.row(y, 3),
+            ],
+            padding: self.padding,
+            most: self.most,
         }
     }
 
@@ -108,6 +98,54 @@ impl PixelCost for PhaseAgreement {
                 right: self.eyes.left.mirrored(self.padding),
             },
             ..*self
+        }
+    }
+}
+
+/// Both eyes' parts along one row, orientation by orientation.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AgreementRow<'a> {
+    left: [&'a [[u8; 2]]; COST_ORIENTATIONS],
+    right: [&'a [[u8; 2]]; COST_ORIENTATIONS],
+    padding: Padding,
+    most: i16,
+}
+
+impl RowCost for AgreementRow<'_> {
+    #[inline(always)]
+    fn costs<W: Wide>(self, wide: W, x: usize, first: usize, costs: &mut [u8]) {
+        let place = self.padding.place(x);
+        let first = self.padding.first(x) + first;
+        let run = first..first + costs.len();
+        let [a, b, c, d] = self.left;
+        let own = [a[place], b[place], c[place], d[place]];
+        // The products with the bias of the other eye's parts are the same for all shifts.
+        let mut biased = 0i16;
+        for [even, odd] in own {
+            biased += i16::from(even) + i16::from(odd) - 2 * i16::from(BIAS);
+        }
+        let base = self.most.wrapping_add(i16::from(BIAS).wrapping_mul(biased));
+        let left = Left {
+            base: wide.splat_word(base),
+            pairs: [
+                splat_without_bias(wide, own[0]),
+                splat_without_bias(wide, own[1]),
+                splat_without_bias(wide, own[2]),
+                splat_without_bias(wide, own[3]),
+            ],
+        };
+        let [a, b, c, d] = self.right;
+        let (a, b, c, d) = (
+            blocks(a, &run),
+            blocks(b, &run),
+            blocks(c, &run),
+            blocks(d, &run),
+        );
+        let runs = a.iter().zip(b).zip(c.iter().zip(d));
+        for (costs, ((a, b), (c, d))) in costs.as_chunks_mut::<LANES>().0.iter_mut().zip(runs) {
+            let first = left.disagreement(wide, [&a[0], &b[0], &c[0], &d[0]]);
+            let second = left.disagreement(wide, [&a[1], &b[1], &c[1], &d[1]]);
+            wide.store(wide.upper_6(first, second), costs);
         }
     }
 }

@@ -5,7 +5,7 @@ use crate::SearchRange;
 use crate::dense::bank_rows::BankRows;
 use crate::dense::padding::Padding;
 use crate::dense::phase_agreement::COST_ORIENTATIONS;
-use crate::dense::pixel_cost::PixelCost;
+use crate::dense::pixel_cost::{PixelCost, RowCost};
 use crate::dense::wide::Wide;
 
 /// Least amplitude of an orientation that is heard.
@@ -56,19 +56,13 @@ impl PhaseQuadrants {
 }
 
 impl PixelCost for PhaseQuadrants {
+    type Row<'a> = QuadrantRow<'a>;
+
     #[inline(always)]
-    fn costs<W: Wide>(&self, _: W, x: usize, y: usize, first: usize, costs: &mut [u8]) {
-        let (left, right) = (&self.eyes.left, &self.eyes.right);
-        let place = y * left.stride + self.padding.place(x);
-        let (quadrants, heard) = (left.quadrants[place], left.heard[place]);
-        let unit = u16::from(self.unit);
-        let first = y * right.stride + self.padding.first(x) + first;
-        let run = first..first + costs.len();
-        let others = right.quadrants[run.clone()].iter().zip(&right.heard[run]);
-        for (cost, (&other, &other_heard)) in costs.iter_mut().zip(others) {
-            let both = heard & other_heard;
-            let differing = ((quadrants ^ other) & both) | (!both & HALF);
-            *cost = ((differing.count_ones() as u16 * unit) >> 2) as u8;
+    fn row(&self, y: usize) -> QuadrantRow<'_> {
+        QuadrantRow {
+            cost: self,
+            start: y * self.eyes.left.stride,
         }
     }
 
@@ -79,6 +73,36 @@ impl PixelCost for PhaseQuadrants {
                 right: self.eyes.left.mirrored(self.padding),
             },
             ..*self
+        }
+    }
+}
+
+/// The codes of both eyes from one row on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct QuadrantRow<'a> {
+    cost: &'a PhaseQuadrants,
+    start: usize,
+}
+
+impl RowCost for QuadrantRow<'_> {
+    #[inline(always)]
+    fn costs<W: Wide>(self, _: W, x: usize, first: usize, costs: &mut [u8]) {
+        let PhaseQuadrants {
+            eyes,
+            padding,
+            unit,
+        } = self.cost;
+        let (left, right) = (&eyes.left, &eyes.right);
+        let place = self.start + padding.place(x);
+        let (quadrants, heard) = (left.quadrants[place], left.heard[place]);
+        let unit = u16::from(*unit);
+        let first = self.start + padding.first(x) + first;
+        let run = first..first + costs.len();
+        let others = right.quadrants[run.clone()].iter().zip(&right.heard[run]);
+        for (cost, (&other, &other_heard)) in costs.iter_mut().zip(others) {
+            let both = heard & other_heard;
+            let differing = ((quadrants ^ other) & both) | (!both & HALF);
+            *cost = ((differing.count_ones() as u16 * unit) >> 2) as u8;
         }
     }
 }
