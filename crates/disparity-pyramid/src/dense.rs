@@ -12,6 +12,7 @@
 //! 7. surface cells: a slanted plane about each pixel;
 //! 8. confidence.
 mod aggregate;
+mod bank_rows;
 mod confidence;
 mod cross_arms;
 mod dense_matcher;
@@ -31,6 +32,7 @@ mod phase_quadrants;
 mod pixel_cost;
 mod row_alignment;
 mod search_range;
+mod search_windows;
 mod slanted_cells;
 mod speckles;
 mod step_penalty;

@@ -1,6 +1,7 @@
 use ndarray::{Array2, ArrayView2};
 
 use crate::Size;
+use crate::pyramid::reduce;
 
 /// A grey image `[[y, x]]`: at least one pixel, every sample finite, by habit in `[0, 1]`.
 ///
@@ -51,6 +52,13 @@ impl LumaImage {
     #[must_use]
     pub fn plane(&self) -> ArrayView2<'_, f32> {
         self.0.view()
+    }
+
+    /// The image at half the size, as the pyramid has it: low-passed with `[1 4 6 4 1] / 16` along
+    /// both axes, every second pixel kept, the first one first.
+    #[must_use]
+    pub fn halved(&self) -> Self {
+        Self(reduce(self.plane()))
     }
 
     /// The samples `[[y, x]]`, given away.

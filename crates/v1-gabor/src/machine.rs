@@ -115,34 +115,37 @@ impl Machine<8> for pulp::x86::V3 {
         self.mul_add_e_f32s(a, b, c)
     }
 
-    /// Three rounds of pairwise shuffles, which the compiler does not find by itself.
+    /// Three rounds of pairwise shuffles, which the compiler does not find by itself. Plain loops,
+    /// as the library's way to make an array may be a call, compiled without the vector unit.
     #[inline(always)]
     fn turn(self, rows: [f32x8; 8]) -> [f32x8; 8] {
         let avx = self.avx;
-        let rows = rows.map(pulp::cast);
-        let pairs: [_; 8] = std::array::from_fn(|i| {
-            let (a, b) = (rows[i / 2 * 2], rows[i / 2 * 2 + 1]);
-            match i % 2 {
-                0 => avx._mm256_unpacklo_ps(a, b),
-                _ => avx._mm256_unpackhi_ps(a, b),
-            }
-        });
+        let mut turned = [pulp::cast(rows[0]); 8];
+        for i in 0..8 {
+            turned[i] = pulp::cast(rows[i]);
+        }
+        let before = turned;
+        for i in 0..4 {
+            let (a, b) = (before[2 * i], before[2 * i + 1]);
+            turned[2 * i] = avx._mm256_unpacklo_ps(a, b);
+            turned[2 * i + 1] = avx._mm256_unpackhi_ps(a, b);
+        }
         // Columns `c` and `c + 4` of the first four rows, then of the last four.
-        let fours: [_; 8] = std::array::from_fn(|i| {
-            let pair = i / 4 * 4 + i % 4 / 2;
-            let (a, b) = (pairs[pair], pairs[pair + 2]);
-            match i % 2 {
-                0 => avx._mm256_shuffle_ps::<0b01_00_01_00>(a, b),
-                _ => avx._mm256_shuffle_ps::<0b11_10_11_10>(a, b),
+        let before = turned;
+        for half in 0..2 {
+            for i in 0..2 {
+                let (a, b) = (before[4 * half + i], before[4 * half + 2 + i]);
+                turned[4 * half + 2 * i] = avx._mm256_shuffle_ps::<0b01_00_01_00>(a, b);
+                turned[4 * half + 2 * i + 1] = avx._mm256_shuffle_ps::<0b11_10_11_10>(a, b);
             }
-        });
-        std::array::from_fn(|i| {
-            let (a, b) = (fours[i % 4], fours[i % 4 + 4]);
-            pulp::cast(match i / 4 {
-                0 => avx._mm256_permute2f128_ps::<0x20>(a, b),
-                _ => avx._mm256_permute2f128_ps::<0x31>(a, b),
-            })
-        })
+        }
+        let mut columns = rows;
+        for i in 0..4 {
+            let (a, b) = (turned[i], turned[4 + i]);
+            columns[i] = pulp::cast(avx._mm256_permute2f128_ps::<0x20>(a, b));
+            columns[4 + i] = pulp::cast(avx._mm256_permute2f128_ps::<0x31>(a, b));
+        }
+        columns
     }
 }
 

@@ -4,8 +4,9 @@ use rayon::prelude::*;
 use crate::SearchRange;
 use crate::dense::guide::Guide;
 use crate::dense::padding::Padding;
-use crate::dense::path_step::{path_step, unpaid};
-use crate::dense::pixel_cost::{LANES, PixelCost};
+use crate::dense::path_step::{moved, path_step};
+use crate::dense::pixel_cost::{LANES, PixelCost, RowCost};
+use crate::dense::search_windows::{RowWindows, SearchWindows, Window};
 use crate::dense::step_penalty::StepPenalty;
 use crate::dense::wide::{Wide, WideWork, widest};
 use crate::dense::winner::{NO_SHIFT, winner};
@@ -20,8 +21,10 @@ pub(crate) struct Ground<'a, C> {
     pub(crate) cost: &'a C,
     pub(crate) guide: &'a Guide,
     pub(crate) penalty: &'a StepPenalty,
-    /// Shifts that are tried.
+    /// Shifts of the whole search.
     pub(crate) shifts: usize,
+    /// Which of them are tried at each pixel.
+    pub(crate) windows: &'a SearchWindows,
 }
 
 impl<C> Clone for Ground<'_, C> {
@@ -62,17 +65,16 @@ pub(crate) fn aggregate<C: PixelCost>(
     other: bool,
 ) -> Winners {
     let (width, height) = (ground.guide.width(), ground.guide.height());
-    let places = ground.shifts.next_multiple_of(LANES);
+    let places = ground.windows.most_places();
     let threads = rayon::current_num_threads();
     let band = (ROWS_A_JOB * threads).min(height.next_multiple_of(ROWS_A_JOB));
     let columns = width.div_ceil(threads);
 
-    let mut down = vec![0; width * (places + 2)];
-    down.chunks_exact_mut(places + 2).for_each(unpaid);
+    let mut down = vec![0; width * places];
     let mut down_least = vec![0; width];
     let mut costs = vec![0; band * width * places];
     let mut sums = vec![0; band * width * places];
-    let mut spaces = vec![RowSpace::new(width, search); band];
+    let mut spaces = vec![RowSpace::new(width, search, places); band];
 
     let mut dx = Array2::zeros((height, width));
     let mut margin = Array2::zeros((height, width));
@@ -80,7 +82,7 @@ pub(crate) fn aggregate<C: PixelCost>(
     for top in (0..height).step_by(band) {
         let rows = band.min(height - top);
         let mut strips: Vec<Strip<'_, C>> = down
-            .chunks_mut(columns * (places + 2))
+            .chunks_mut(columns * places)
             .zip(down_least.chunks_mut(columns))
             .enumerate()
             .map(|(i, (runs, least))| Strip {
@@ -172,33 +174,43 @@ impl<C: PixelCost> WideWork for Strip<'_, C> {
             costs,
             sums,
         } = self;
-        let mut now = vec![0; places + 2];
-        unpaid(&mut now);
+        let mut spare = vec![0; places];
         for (row, (costs, sums)) in costs.into_iter().zip(sums).enumerate() {
             let y = top + row;
-            let above = y.checked_sub(1).map(|above| ground.guide.below(above));
+            let (cost, windows) = (ground.cost.row(y), ground.windows.row(y));
+            let above = y.checked_sub(1);
+            let above = above.map(|y| (ground.guide.below(y), ground.windows.row(y)));
             let pixels = costs
                 .chunks_exact_mut(places)
                 .zip(sums.chunks_exact_mut(places))
-                .zip(runs.chunks_exact_mut(places + 2).zip(&mut *least));
+                .zip(runs.chunks_exact_mut(places).zip(&mut *least));
             for (column, ((costs, sums), (run, least))) in pixels.enumerate() {
                 let x = start + column;
-                ground.cost.costs(wide, x, y, costs);
+                let window = windows.at(x);
+                let costs = &mut costs[..window.places];
+                cost.costs(wide, x, window.first, costs);
                 // What is no shift costs the most there is.
-                for cost in &mut costs[ground.shifts..] {
+                let left_over = costs.iter_mut().skip(ground.shifts - window.first);
+                for cost in left_over {
                     *cost = NO_SHIFT;
                 }
-                let large = above.map_or(0, |above| ground.penalty.large(above[x]));
+                let large = match above {
+                    None => 0,
+                    Some((steps, windows)) => {
+                        let before = windows.at(x);
+                        if before != window {
+                            moved(run, before, window, &mut spare);
+                        }
+                        ground.penalty.large(steps[x])
+                    }
+                };
                 let penalties = (ground.penalty.small, large);
                 let costs = costs.as_chunks().0;
-                let sums = sums.as_chunks_mut().0;
-                *least = path_step(wide, run, *least, penalties, costs, &mut now, |i, cost| {
+                let sums = sums[..window.places].as_chunks_mut().0;
+                let run = run.as_chunks_mut().0;
+                *least = path_step(wide, run, *least, penalties, costs, |i, cost| {
                     wide.store(cost, &mut sums[i]);
                 });
-                let next = run[1..=places].as_chunks_mut().0;
-                for (next, cost) in next.iter_mut().zip(&*sums) {
-                    wide.store(wide.load(cost), next);
-                }
             }
         }
     }
@@ -208,10 +220,10 @@ impl<C: PixelCost> WideWork for Strip<'_, C> {
 #[derive(Clone, Debug)]
 struct RowSpace {
     places: usize,
-    /// The costs of a path along the row at two pixels, and the least at the first of them.
-    before: Vec<u8>,
-    now: Vec<u8>,
+    /// The costs of a path along the row at its last pixel, and the least of them.
+    run: Vec<u8>,
     least: u8,
+    spare: Vec<u8>,
     total: Vec<u8>,
     /// What a large step from each pixel to the one before costs.
     large: Vec<u8>,
@@ -229,12 +241,12 @@ struct OtherEye {
     place: Vec<u8>,
 }
 
-/// Shifts whose places a byte tells apart.
-const BLOCK: usize = 256;
+/// Places that are counted together: a vector that begins at any of them ends at one that a byte
+/// still tells apart.
+const BLOCK: usize = 256 - LANES;
 
 impl RowSpace {
-    fn new(width: usize, search: SearchRange) -> Self {
-        let places = search.shifts().next_multiple_of(LANES);
+    fn new(width: usize, search: SearchRange, places: usize) -> Self {
         let padding = Padding::of(search);
         let stride = padding.stride(width);
         let other = OtherEye {
@@ -243,22 +255,29 @@ impl RowSpace {
         };
         Self {
             places,
-            before: vec![0; places + 2],
-            now: vec![0; places + 2],
+            run: vec![0; places],
             least: 0,
+            spare: vec![0; places],
             total: vec![0; places],
             large: vec![0; width + 1],
-            other: vec![other; places.div_ceil(BLOCK)],
+            other: vec![other; search.shifts().div_ceil(BLOCK)],
             padding,
         }
     }
 
-    /// Before the first pixel of a path.
+    /// Before the first pixel of a path, where nothing has been paid.
     #[inline(always)]
     fn begin(&mut self) {
-        unpaid(&mut self.before);
-        unpaid(&mut self.now);
+        self.run.fill(0);
         self.least = 0;
+    }
+
+    /// On the way from a pixel of one window to one of another.
+    #[inline(always)]
+    fn enter(&mut self, from: Window, to: Window) {
+        if from != to {
+            moved(&mut self.run, from, to, &mut self.spare);
+        }
     }
 }
 
@@ -294,6 +313,9 @@ impl<C: PixelCost> WideWork for Rows<'_, C> {
         let (rows, width) = dx.dim();
         let spaces = &mut spaces[..rows];
         let small = ground.penalty.small;
+        let last = ground.guide.height() - 1;
+        let windows: [RowWindows<'_>; ROWS_A_JOB] =
+            std::array::from_fn(|row| ground.windows.row((top + row).min(last)));
         for (row, space) in spaces.iter_mut().enumerate() {
             let steps = ground.guide.beside(top + row);
             for (large, step) in space.large[1..].iter_mut().zip(steps) {
@@ -303,17 +325,18 @@ impl<C: PixelCost> WideWork for Rows<'_, C> {
         }
         for x in 0..width {
             for (row, space) in spaces.iter_mut().enumerate() {
+                let windows = windows[row];
+                let window = windows.at(x);
+                space.enter(windows.at(x.saturating_sub(1)), window);
                 let pixel = (row * width + x) * space.places;
-                let pixel = pixel..pixel + space.places;
+                let pixel = pixel..pixel + window.places;
                 let costs = costs[pixel.clone()].as_chunks().0;
                 let sums = sums[pixel].as_chunks_mut().0;
                 let penalties = (small, space.large[x]);
-                let (before, now) = (&space.before, &mut space.now);
-                let least = space.least;
-                space.least = path_step(wide, before, least, penalties, costs, now, |i, cost| {
+                let run = space.run.as_chunks_mut().0;
+                space.least = path_step(wide, run, space.least, penalties, costs, |i, cost| {
                     wide.store(wide.add(wide.load(&sums[i]), cost), &mut sums[i]);
                 });
-                std::mem::swap(&mut space.before, &mut space.now);
             }
         }
 
@@ -327,25 +350,28 @@ impl<C: PixelCost> WideWork for Rows<'_, C> {
         }
         for x in (0..width).rev() {
             for (row, space) in spaces.iter_mut().enumerate() {
+                let windows = windows[row];
+                let window = windows.at(x);
+                space.enter(windows.at((x + 1).min(width - 1)), window);
                 let pixel = (row * width + x) * space.places;
-                let pixel = pixel..pixel + space.places;
+                let pixel = pixel..pixel + window.places;
                 let costs = costs[pixel.clone()].as_chunks().0;
                 let sums = sums[pixel].as_chunks().0;
                 let penalties = (small, space.large[x + 1]);
-                let (before, now) = (&space.before, &mut space.now);
-                let (least, total) = (space.least, space.total.as_chunks_mut().0);
+                let run = space.run.as_chunks_mut().0;
+                let total = space.total.as_chunks_mut().0;
                 let mut lowest = wide.splat(NO_SHIFT);
-                space.least = path_step(wide, before, least, penalties, costs, now, |i, cost| {
+                space.least = path_step(wide, run, space.least, penalties, costs, |i, cost| {
                     let sum = wide.add(wide.load(&sums[i]), cost);
                     lowest = wide.min(lowest, sum);
                     wide.store(sum, &mut total[i]);
                 });
-                std::mem::swap(&mut space.before, &mut space.now);
                 if other_dx.is_some() {
-                    space.tell_the_other(wide, x);
+                    space.tell_the_other(wide, x, window);
                 }
-                let found = winner(wide, &mut space.total, wide.least(lowest));
-                let whole = search.least_dx() + found.place as i32;
+                let total = &space.total[..window.places];
+                let found = winner(wide, total, wide.least(lowest));
+                let whole = search.least_dx() + (window.first + found.place) as i32;
                 dx[[row, x]] = whole as f32 + found.beyond;
                 margin[[row, x]] = found.margin;
             }
@@ -363,23 +389,27 @@ impl RowSpace {
     /// Offers the sums of pixel `x` to the pixels of the other eye that its shifts lead to, and to
     /// the padding where they lead out of view.
     #[inline(always)]
-    fn tell_the_other<W: Wide>(&mut self, wide: W, x: usize) {
-        let first = self.padding.first(x);
-        let blocks = self.total.chunks(BLOCK).zip(&mut self.other);
-        for (i, (offers, other)) in blocks.enumerate() {
-            let start = first + i * BLOCK;
-            let seen = start..start + offers.len();
-            let least = other.least[seen.clone()].as_chunks_mut::<LANES>().0;
-            let best = other.place[seen].as_chunks_mut::<LANES>().0;
-            let mut place = wide.load(&FIRST_PLACES);
-            let offers = offers.as_chunks::<LANES>().0;
-            for ((offer, least), best) in offers.iter().zip(least).zip(best) {
-                let (offer, held) = (wide.load(offer), wide.load(least));
-                let chosen = wide.if_less(offer, held, place, wide.load(best));
-                wide.store(chosen, best);
-                wide.store(wide.min(offer, held), least);
-                place = wide.add(place, wide.splat(LANES as u8));
-            }
+    fn tell_the_other<W: Wide>(&mut self, wide: W, x: usize, window: Window) {
+        let first = self.padding.first(x) + window.first;
+        let offers = self.total[..window.places].as_chunks::<LANES>().0;
+        for (i, offer) in offers.iter().enumerate() {
+            let place = window.first + i * LANES;
+            // Beyond the last shift nothing is offered.
+            let Some(other) = self.other.get_mut(place / BLOCK) else {
+                return;
+            };
+            let seen = first + i * LANES..first + (i + 1) * LANES;
+            let ([least], [best]) = (
+                other.least[seen.clone()].as_chunks_mut::<LANES>().0,
+                other.place[seen].as_chunks_mut::<LANES>().0,
+            ) else {
+                return;
+            };
+            let places = wide.add(wide.load(&FIRST_PLACES), wide.splat((place % BLOCK) as u8));
+            let (offer, held) = (wide.load(offer), wide.load(least));
+            let chosen = wide.if_less(offer, held, places, wide.load(best));
+            wide.store(chosen, best);
+            wide.store(wide.min(offer, held), least);
         }
     }
 
@@ -403,7 +433,7 @@ impl RowSpace {
 }
 
 /// The first places of a run.
-const FIRST_PLACES: [u8; LANES] = [
+pub(crate) const FIRST_PLACES: [u8; LANES] = [
     0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25,
     26, 27, 28, 29, 30, 31,
 ];
@@ -411,7 +441,7 @@ const FIRST_PLACES: [u8; LANES] = [
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
-    use v1_gabor::LumaImage;
+    use v1_gabor::{LumaImage, Size};
 
     use super::*;
     use crate::dense::dense_params::DenseParams;
@@ -427,13 +457,23 @@ mod tests {
     }
 
     impl PixelCost for Given {
-        fn costs<W: Wide>(&self, _: W, x: usize, y: usize, costs: &mut [u8]) {
-            let start = (y * self.width + x) * self.shifts;
-            costs[..self.shifts].copy_from_slice(&self.costs[start..start + self.shifts]);
+        type Row<'a> = (&'a Self, usize);
+
+        fn row(&self, y: usize) -> (&Self, usize) {
+            (self, y)
         }
 
         fn seen_by_the_other_eye(&self) -> Self {
             unreachable!("aggregation looks with one eye")
+        }
+    }
+
+    impl RowCost for (&Given, usize) {
+        fn costs<W: Wide>(self, _: W, x: usize, first: usize, costs: &mut [u8]) {
+            let (given, y) = self;
+            let start = (y * given.width + x) * given.shifts + first;
+            let shifts = costs.len().min(given.shifts - first);
+            costs[..shifts].copy_from_slice(&given.costs[start..start + shifts]);
         }
     }
 
@@ -508,7 +548,10 @@ mod tests {
             let guide = Guide::of(&EyeView::grey(&luma), true);
             let penalty = StepPenalty::new(&DenseParams::best());
             let search = SearchRange::new(least, least + shifts as i32 - 1).unwrap();
-            let ground = Ground { cost: &given, guide: &guide, penalty: &penalty, shifts };
+            let size = Size { width, height };
+            let windows = SearchWindows::all(size, search);
+            let ground =
+                Ground { cost: &given, guide: &guide, penalty: &penalty, shifts, windows: &windows };
             let winners = aggregate(ground, search, true);
             let plain = plainly(&given, &guide, &penalty);
             let other = winners.other_dx.unwrap();

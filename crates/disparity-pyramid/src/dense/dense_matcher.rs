@@ -1,7 +1,5 @@
 use ndarray::{Array2, Axis, Zip};
-use v1_gabor::{
-    BadParams, Binocular, FilterBank, GaborParams, Responses, Size, V1Responses, WaveVector,
-};
+use v1_gabor::{BadParams, Binocular, FilterBank, GaborParams, LumaImage, Size, WrongSize};
 
 use crate::dense::aggregate::{Ground, Winners, aggregate};
 use crate::dense::confidence::{Evidence, confidence};
@@ -10,7 +8,7 @@ use crate::dense::dense_params::{Acuity, BadDenseParam, Cost, DenseParams, LookB
 use crate::dense::eye_view::EyeView;
 use crate::dense::fill::fill;
 use crate::dense::guide::Guide;
-use crate::dense::hyperacuity::{Band, sharpen};
+use crate::dense::hyperacuity::sharpen;
 use crate::dense::local_range::local_range;
 use crate::dense::look_back::look_back;
 use crate::dense::partial_field::PartialField;
@@ -18,6 +16,7 @@ use crate::dense::phase_agreement::{COST_ORIENTATIONS, PhaseAgreement};
 use crate::dense::phase_quadrants::PhaseQuadrants;
 use crate::dense::pixel_cost::PixelCost;
 use crate::dense::search_range::SearchRange;
+use crate::dense::search_windows::SearchWindows;
 use crate::dense::slanted_cells::fit_surfaces;
 use crate::dense::speckles::reject_speckles;
 use crate::dense::step_penalty::StepPenalty;
@@ -62,6 +61,8 @@ pub struct DenseMatcher {
     cost_bank: FilterBank,
     /// The banks of hyperacuity that are not the cost's own.
     acuity_banks: Vec<FilterBank>,
+    /// The estimator at half the size that narrows the search.
+    coarse: Option<Box<Self>>,
 }
 
 /// Why no dense estimator can be planned.
@@ -99,7 +100,12 @@ impl DenseMatcher {
             Acuity::TwoBanks => vec![bank(8, 1.5, 3), bank(8, 2.27, 5)],
         };
         let plan = |params| FilterBank::plan(params, size);
+        let coarse = match params.narrow_px {
+            Some(_) => Some(Box::new(Self::plan(params.coarse(), size.halved())?)),
+            None => None,
+        };
         Ok(Self {
+            coarse,
             params,
             size,
             cost_bank: plan(bank(COST_ORIENTATIONS, 1.5, 3))?,
@@ -128,24 +134,21 @@ impl DenseMatcher {
     ) -> Result<DisparityField, WrongView> {
         self.check(eyes)?;
         let search = search.within(self.size.width);
+        let lumas = eyes.map(|eye| eye.luma);
+        let coarse = self.look_coarsely(&lumas, search)?;
+        let windows = self.windows(coarse.as_ref(), search);
         let guides = eyes.map(|eye| Guide::of(&eye, self.params.colour));
-        let responses = eyes.try_map(|eye| respond(&self.cost_bank, &eye))?;
-        let planes = responses.as_ref().map(finest);
         let penalty = StepPenalty::new(&self.params);
-        // The responses themselves are large: only hyperacuity may need them once more.
-        let (winners, other_dx, responses) = match self.params.cost {
+        let bank = &self.cost_bank;
+        let (winners, other_dx) = match self.params.cost {
             Cost::PhaseAgreement => {
-                let cost =
-                    PhaseAgreement::new(planes, self.params.silent_energy, search, penalty.unit);
-                let responses = self.kept_for_acuity(responses);
-                let (winners, other_dx) = self.compete(&cost, &guides, &penalty, search);
-                (winners, other_dx, responses)
+                let silent = self.params.silent_energy;
+                let cost = PhaseAgreement::new(bank, lumas, silent, search, penalty.unit)?;
+                self.compete(&cost, &guides, &penalty, search, &windows)
             }
             Cost::PhaseQuadrants => {
-                let cost = PhaseQuadrants::new(planes, search, penalty.unit);
-                let responses = self.kept_for_acuity(responses);
-                let (winners, other_dx) = self.compete(&cost, &guides, &penalty, search);
-                (winners, other_dx, responses)
+                let cost = PhaseQuadrants::new(bank, lumas, search, penalty.unit)?;
+                self.compete(&cost, &guides, &penalty, search, &windows)
             }
         };
         let Winners { dx, margin, .. } = winners;
@@ -157,19 +160,15 @@ impl DenseMatcher {
 
         let ranges = local_range(dx.view());
         let steady = validity.mapv(Validity::is_valid);
-        let coherence = match (self.params.acuity, responses) {
-            (Acuity::Parabola, _) => Array2::zeros(dx.dim()),
-            (_, Some(own)) => {
-                let own = [(&self.cost_bank, own)];
-                sharpen_with(&own, &mut dx, &ranges, &steady)
-            }
-            (_, None) => {
-                let mut banks = Vec::new();
-                for bank in &self.acuity_banks {
-                    banks.push((bank, eyes.try_map(|eye| respond(bank, &eye))?));
-                }
-                sharpen_with(&banks, &mut dx, &ranges, &steady)
-            }
+        let banks: Vec<&FilterBank> = match self.params.acuity {
+            Acuity::Parabola => Vec::new(),
+            Acuity::CostBank => vec![&self.cost_bank],
+            Acuity::TwoBanks => self.acuity_banks.iter().collect(),
+        };
+        let coherence = if banks.is_empty() {
+            Array2::zeros(dx.dim())
+        } else {
+            sharpen(&mut dx, &banks, lumas, ranges.view(), steady.view())?
         };
         let moved = self.smooth_surfaces(&mut dx, &steady, &coherence, &guides.left);
         let confidence = confidence(Evidence {
@@ -201,9 +200,28 @@ impl DenseMatcher {
         }
     }
 
-    /// The responses, if hyperacuity reads those that the cost was made of.
-    fn kept_for_acuity(&self, responses: Binocular<V1Responses>) -> Option<Binocular<V1Responses>> {
-        (self.params.acuity == Acuity::CostBank).then_some(responses)
+    /// What a look at half the size finds, if it is to narrow the search.
+    fn look_coarsely(
+        &self,
+        lumas: &Binocular<&LumaImage>,
+        search: SearchRange,
+    ) -> Result<Option<DisparityField>, WrongView> {
+        let Some(coarse) = &self.coarse else {
+            return Ok(None);
+        };
+        let halves = lumas.map(LumaImage::halved);
+        let views = halves.as_ref().map(EyeView::grey);
+        Ok(Some(coarse.estimate(&views, search.halved())?))
+    }
+
+    /// Which shifts are searched where: all, or what lies near those that the coarse look found.
+    fn windows(&self, coarse: Option<&DisparityField>, search: SearchRange) -> SearchWindows {
+        match (coarse, self.params.narrow_px) {
+            (Some(coarse), Some(margin_px)) => {
+                SearchWindows::around(coarse.dx(), self.size, search, margin_px)
+            }
+            _ => SearchWindows::all(self.size, search),
+        }
     }
 
     /// The winning shifts of the left eye, and the right eye's own for the look back.
@@ -213,21 +231,25 @@ impl DenseMatcher {
         guides: &Binocular<Guide>,
         penalty: &StepPenalty,
         search: SearchRange,
+        windows: &SearchWindows,
     ) -> (Winners, Array2<f32>) {
         let ground = Ground {
             cost,
             guide: &guides.left,
             penalty,
             shifts: search.shifts(),
+            windows,
         };
         let own_paths = self.params.look_back == LookBack::OwnPaths;
         let mut winners = aggregate(ground, search, !own_paths);
         let other_dx = match winners.other_dx.take() {
             Some(told) => told,
             None => {
+                // What the coarse look says is said of the left eye's pixels.
                 let ground = Ground {
                     cost: &cost.seen_by_the_other_eye(),
                     guide: &guides.right.mirrored(),
+                    windows: &SearchWindows::all(self.size, search),
                     ..ground
                 };
                 let mut mirrored = aggregate(ground, search, false).dx;
@@ -307,36 +329,14 @@ impl DenseMatcher {
     }
 }
 
-fn respond(bank: &FilterBank, eye: &EyeView<'_>) -> Result<V1Responses, WrongView> {
-    bank.respond(eye.luma).map_err(|wrong| WrongView {
-        planned: wrong.planned,
-        which: "a luma",
-        given: wrong.given,
-    })
-}
-
-fn finest(responses: &V1Responses) -> &Responses {
-    &responses.scales()[0]
-}
-
-/// Hyperacuity by the responses of these banks.
-fn sharpen_with(
-    banks: &[(&FilterBank, Binocular<V1Responses>)],
-    dx: &mut Array2<f32>,
-    ranges: &Array2<f32>,
-    steady: &Array2<bool>,
-) -> Array2<f32> {
-    let waves = banks.iter().map(|(bank, _)| bank.params().wave_vectors());
-    let waves: Vec<Vec<WaveVector>> = waves.collect();
-    let bands = banks
-        .iter()
-        .zip(&waves)
-        .map(|((_, responses), waves)| Band {
-            eyes: responses.as_ref().map(finest),
-            waves,
-        });
-    let bands: Vec<Band<'_>> = bands.collect();
-    sharpen(dx, &bands, ranges.view(), steady.view())
+impl From<WrongSize> for WrongView {
+    fn from(wrong: WrongSize) -> Self {
+        Self {
+            planned: wrong.planned,
+            which: "a luma",
+            given: wrong.given,
+        }
+    }
 }
 
 /// One scale of Gabor filters at `pi / 2` rad/px with an envelope of this width.

@@ -13,6 +13,11 @@ pub struct DenseParams {
     pub silent_energy: f32,
     /// Whether surfaces may end where the colour changes, or only where the luma does.
     pub colour: bool,
+    /// How far beyond what a look at half the size finds around a pixel its own shift is searched,
+    /// in pixels; `None` searches the whole range everywhere. The coarse look costs an eighth of a
+    /// search of the whole range, and what only the fine one would have seen, such as a twig, may
+    /// be missed.
+    pub narrow_px: Option<u16>,
     /// What a path pays for a step of one pixel in shift: more makes slanted surfaces smoother, and
     /// in the end flat.
     pub small_step: f32,
@@ -78,6 +83,7 @@ impl DenseParams {
             cost: Cost::PhaseAgreement,
             silent_energy: 3e-7,
             colour: true,
+            narrow_px: None,
             small_step: 1.0,
             large_step: 16.0,
             edge_softness: 0.02,
@@ -98,6 +104,7 @@ impl DenseParams {
         Self {
             silent_energy: 1e-6,
             colour: false,
+            narrow_px: Some(4),
             small_step: 1.2,
             large_step: 6.4,
             edge_softness: 0.04,
@@ -123,6 +130,20 @@ pub struct BadDenseParam {
 }
 
 impl DenseParams {
+    /// Those of the look at half the size that narrows the search: it says where surfaces are, and
+    /// no more.
+    pub(crate) const fn coarse(self) -> Self {
+        Self {
+            narrow_px: None,
+            look_back: LookBack::SamePaths,
+            votes: 0,
+            acuity: Acuity::Parabola,
+            surface_radius: 0,
+            least_patch: self.least_patch / 4,
+            ..self
+        }
+    }
+
     /// Checks what the fields promise.
     pub(crate) fn check(&self) -> Result<(), BadDenseParam> {
         let within = |name, value: f32, least: f32, most: f32, need| {

@@ -34,9 +34,10 @@ pub(crate) fn fill(field: &PartialField, otherwise: f32) -> Array2<f32> {
             let behind = field.backgrounds(y);
             for (x, dx) in filled.iter_mut().enumerate() {
                 if !known[x] {
-                    match behind[x].filter(|_| is_hidden(validity[x])) {
-                        Some(behind) => *dx = behind,
-                        None => columns.push(x),
+                    if is_hidden(validity[x]) && behind[x].is_finite() {
+                        *dx = behind[x];
+                    } else {
+                        columns.push(x);
                     }
                 }
             }
@@ -115,11 +116,37 @@ impl Onward {
             let from = if back == 1 { &*latest } else { &*before };
             let from = &from[FARTHEST.wrapping_add_signed(step)..];
             let mut next = std::mem::take(&mut self.spare);
-            let row = next[FARTHEST..].iter_mut().zip(from).zip(&self.own);
-            for ((next, &from), &own) in row {
-                *next = if own < f32::INFINITY { own } else { from };
-            }
+            Arch::new().dispatch(Seen {
+                next: &mut next[FARTHEST..],
+                from,
+                own: &self.own,
+            });
             self.spare = std::mem::replace(before, std::mem::replace(latest, next));
+        }
+    }
+}
+
+/// What a row is seen to hold in one direction: its own where it knows something, else what it sees.
+struct Seen<'a> {
+    next: &'a mut [f32],
+    from: &'a [f32],
+    own: &'a [f32],
+}
+
+impl NullaryFnOnce for Seen<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { next, from, own } = self;
+        let length = own.len();
+        let (next, from) = (&mut next[..length], &from[..length]);
+        for i in 0..length {
+            next[i] = if own[i] < f32::INFINITY {
+                own[i]
+            } else {
+                from[i]
+            };
         }
     }
 }

@@ -3,8 +3,9 @@ use std::f32::consts::FRAC_PI_2;
 use ndarray::{Array2, ArrayView1, ArrayView2};
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
-use v1_gabor::{Binocular, Responses, WaveVector};
+use v1_gabor::{Binocular, FilterBank, LumaImage, WaveVector, WrongSize};
 
+use crate::dense::bank_rows::BankRows;
 use crate::dense::nearest::{ROUNDER, nearest};
 use crate::phase::{angle, cosine, wrap};
 use crate::vector::{store, vector};
@@ -32,12 +33,12 @@ const MOST_ORIENTATIONS: usize = 8;
 /// At least the lanes of the widest vector there is.
 const MOST_LANES: usize = 16;
 
-/// Both eyes' responses of one bank.
+/// Both eyes' responses of one bank along a row.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Band<'a> {
-    pub(crate) eyes: Binocular<&'a Responses>,
+struct Band<'a> {
+    eyes: Binocular<&'a [f32]>,
     /// The wave vectors, by orientation.
-    pub(crate) waves: &'a [WaveVector],
+    waves: &'a [WaveVector],
 }
 
 /// Moves each shift by what the phases still differ there (hyperacuity), and returns how well they
@@ -48,14 +49,20 @@ pub(crate) struct Band<'a> {
 /// `W = sqrt|z| (2 |z| / (|Q_L|^2 + |Q_R|^2))^2` for the energy and the balance of both eyes, the
 /// shift still to add is `-sum W w_x ph / sum W w_x^2`. `steady` says where a shift may move:
 /// without these gates the step hurts at the ends of surfaces.
+///
+/// # Errors
+/// [`WrongSize`] if a bank was planned for other images.
 pub(crate) fn sharpen(
     dx: &mut Array2<f32>,
-    bands: &[Band<'_>],
+    banks: &[&FilterBank],
+    eyes: Binocular<&LumaImage>,
     ranges: ArrayView2<'_, f32>,
     steady: ArrayView2<'_, bool>,
-) -> Array2<f32> {
+) -> Result<Array2<f32>, WrongSize> {
     let mut coherence = Array2::zeros(dx.dim());
     let width = dx.ncols();
+    let waves = banks.iter().map(|bank| bank.params().wave_vectors());
+    let waves: Vec<Vec<WaveVector>> = waves.collect();
     let rows = dx
         .as_slice_mut()
         .expect(CONTIGUOUS)
@@ -66,17 +73,33 @@ pub(crate) fn sharpen(
                 .expect(CONTIGUOUS)
                 .par_chunks_mut(width),
         );
-    rows.enumerate().for_each(|(y, (dx, coherence))| {
-        Arch::new().dispatch(Row {
-            bands,
-            y,
-            dx,
-            coherence,
-            ranges: ranges.row(y),
-            steady: steady.row(y),
+    let spaces = || {
+        let spaces = banks.iter().map(|bank| Binocular {
+            left: BankRows::of(bank),
+            right: BankRows::of(bank),
         });
-    });
-    coherence
+        spaces.collect::<Vec<_>>()
+    };
+    rows.enumerate()
+        .try_for_each_init(spaces, |spaces, (y, (dx, coherence))| {
+            let mut bands = Vec::with_capacity(banks.len());
+            for ((bank, waves), space) in banks.iter().zip(&waves).zip(spaces) {
+                let eyes = Binocular {
+                    left: space.left.row(bank, eyes.left, y)?,
+                    right: space.right.row(bank, eyes.right, y)?,
+                };
+                bands.push(Band { eyes, waves });
+            }
+            Arch::new().dispatch(Row {
+                bands: &bands,
+                dx,
+                coherence,
+                ranges: ranges.row(y),
+                steady: steady.row(y),
+            });
+            Ok(())
+        })?;
+    Ok(coherence)
 }
 
 const CONTIGUOUS: &str = "planes are made in row-major order";
@@ -84,7 +107,6 @@ const CONTIGUOUS: &str = "planes are made in row-major order";
 /// One row of pixels, of which as many as a vector holds are asked side by side.
 struct Row<'a> {
     bands: &'a [Band<'a>],
-    y: usize,
     dx: &'a mut [f32],
     coherence: &'a mut [f32],
     ranges: ArrayView1<'a, f32>,
@@ -101,7 +123,7 @@ impl WithSimd for Row<'_> {
             let end = (start + S::F32_LANES).min(self.dx.len());
             place.dx = [0.0; MOST_LANES];
             place.dx[..end - start].copy_from_slice(&self.dx[start..end]);
-            let (steps, agreements) = residual(simd, self.bands, start..end, self.y, &mut place);
+            let (steps, agreements) = residual(simd, self.bands, start..end, &mut place);
             for (i, x) in (start..end).enumerate() {
                 let takes = self.steady[x]
                     && self.ranges[x] < MOST_RANGE_PX
@@ -145,7 +167,6 @@ fn residual<S: Simd>(
     simd: S,
     bands: &[Band<'_>],
     pixels: std::ops::Range<usize>,
-    y: usize,
     place: &mut Block,
 ) -> ([f32; MOST_LANES], [f32; MOST_LANES]) {
     let splat = |value| simd.splat_f32s(value);
@@ -161,15 +182,17 @@ fn residual<S: Simd>(
             dx, left, right, ..
         } = place;
         let parts = 2 * band.waves.len();
-        let row = y * band.eyes.left.size().width * parts;
-        let (own, other) = (band.eyes.left.samples(), band.eyes.right.samples());
-        let width = band.eyes.right.size().width;
+        let Binocular {
+            left: own,
+            right: other,
+        } = band.eyes;
+        let width = other.len() / parts;
         for (lane, x) in pixels.clone().enumerate() {
             let seen = x as f32 + nearest(dx[lane]);
             let in_view = seen >= 0.0 && seen < width as f32;
-            let own = &own[row + x * parts..][..parts];
+            let own = &own[x * parts..][..parts];
             let seen = if in_view { seen as usize } else { 0 };
-            let other = &other[row + seen * parts..][..parts];
+            let other = &other[seen * parts..][..parts];
             // What is out of view answers nothing.
             let view = f32::from(u8::from(in_view));
             for part in 0..parts {

@@ -40,13 +40,16 @@ pub(crate) fn look_back(
 fn claimed(other_dx: ArrayView1<'_, f32>, search: SearchRange) -> Vec<bool> {
     // Half a pixel of rounding, and a little.
     const AGREES_PX: f32 = 0.6;
+    let (least, most) = (search.least_dx() as f32, search.most_dx() as f32);
     let mut claimed = vec![false; other_dx.len()];
     for (seen, dx) in other_dx.iter().enumerate() {
         // An eye that says nothing, NaN, claims nothing: no comparison below holds.
-        let from = nearest(seen as f32 - dx);
-        for x in [from - 1.0, from, from + 1.0] {
+        let from = seen as f32 - dx;
+        let (first, last) = (nearest(from - AGREES_PX), nearest(from + AGREES_PX));
+        let mut x = first;
+        while x <= last {
             let shift = seen as f32 - x;
-            let tried = (search.least_dx() as f32..=search.most_dx() as f32).contains(&shift);
+            let tried = least <= shift && shift <= most;
             if tried
                 && (shift - dx).abs() < AGREES_PX
                 && x >= 0.0
@@ -54,6 +57,7 @@ fn claimed(other_dx: ArrayView1<'_, f32>, search: SearchRange) -> Vec<bool> {
             {
                 *claimed = true;
             }
+            x += 1.0;
         }
     }
     claimed

@@ -23,24 +23,22 @@ impl PartialField {
     }
 
     /// For every pixel of a row the farther of the nearest known shifts to its left and right: what
-    /// lies behind it. `None` if the row knows nothing but the pixel itself.
-    pub(crate) fn backgrounds(&self, y: usize) -> Vec<Option<f32>> {
+    /// lies behind it. Minus infinity if the row knows nothing but the pixel itself.
+    pub(crate) fn backgrounds(&self, y: usize) -> Vec<f32> {
         let (dx, known) = (self.dx.row(y), self.known.row(y));
-        let width = dx.len();
-        let mut behind = vec![None; width];
-        let mut nearest = None;
-        for x in 0..width {
-            behind[x] = nearest;
-            if known[x] {
-                nearest = Some(dx[x]);
-            }
+        let (Some(dx), Some(known)) = (dx.to_slice(), known.to_slice()) else {
+            unreachable!("planes are made in row-major order")
+        };
+        let mut behind = vec![f32::NEG_INFINITY; dx.len()];
+        let mut nearest = f32::NEG_INFINITY;
+        for ((behind, dx), known) in behind.iter_mut().zip(dx).zip(known) {
+            *behind = nearest;
+            nearest = if *known { *dx } else { nearest };
         }
-        nearest = None;
-        for x in (0..width).rev() {
-            behind[x] = behind[x].into_iter().chain(nearest).reduce(f32::max);
-            if known[x] {
-                nearest = Some(dx[x]);
-            }
+        nearest = f32::NEG_INFINITY;
+        for ((behind, dx), known) in behind.iter_mut().zip(dx).zip(known).rev() {
+            *behind = if nearest > *behind { nearest } else { *behind };
+            nearest = if *known { *dx } else { nearest };
         }
         behind
     }

@@ -1,53 +1,71 @@
 use crate::dense::pixel_cost::LANES;
+use crate::dense::search_windows::Window;
 use crate::dense::wide::Wide;
 
-/// What stands beside the first and the last shift of a path: no path is dearer.
-pub(crate) const FAR: u8 = u8::MAX;
+/// What a shift costs that no path has come with: no path is dearer.
+const FAR: u8 = u8::MAX;
 
 /// The largest penalty, in units of cost, that leaves a cost some steps of a byte.
 pub(crate) const MOST_PENALTY: f32 = 50.0;
 
-/// The costs of a path before its first pixel, where nothing has been paid, between two places that
-/// cost [`FAR`].
-pub(crate) fn unpaid(run: &mut [u8]) {
-    run.fill(0);
-    if let [first, .., last] = run {
-        (*first, *last) = (FAR, FAR);
+/// Tells a run of another window of shifts what the one before has found: what only the one before
+/// had is forgotten but for its least, what only this one has costs [`FAR`]. `spare` is overwritten.
+#[inline(always)]
+pub(crate) fn moved(run: &mut [u8], from: Window, to: Window, spare: &mut [u8]) {
+    let moved = &mut spare[..to.places];
+    moved.fill(FAR);
+    let start = from.first.max(to.first);
+    let end = (from.first + from.places).min(to.first + to.places);
+    if start < end {
+        let kept = &run[start - from.first..end - from.first];
+        moved[start - to.first..end - to.first].copy_from_slice(kept);
     }
+    run[..to.places].copy_from_slice(moved);
 }
 
 /// One step of a path to its next pixel:
 /// `L(d) = C(d) + min(L'(d), L'(d - 1) + P1, L'(d + 1) + P1, min L' + P2) - min L'`.
 ///
-/// `before` and `now` hold the runs at the two pixels, each between two places that cost [`FAR`];
-/// `least` is the least cost of `before`. `each` gets every vector of the new costs with its number.
-/// Returns the least of `now`. A place that costs 255 is no shift, and stays as dear.
+/// `run` holds the costs at the pixel before, all 0 before the first, and then those at this one;
+/// `least` is the least of the former. `each` gets every vector of the new costs with its number.
+/// Returns their least. A place that costs 255 is no shift, and stays as dear.
+///
+/// Vectors are read as they were written, and neighbours moved in registers: what reads across two
+/// fresh writes has to wait until both are in the cache.
 #[inline(always)]
 pub(crate) fn path_step<W: Wide>(
     wide: W,
-    before: &[u8],
+    run: &mut [[u8; LANES]],
     least: u8,
     (small, large): (u8, u8),
     costs: &[[u8; LANES]],
-    now: &mut [u8],
     mut each: impl FnMut(usize, W::Bytes),
 ) -> u8 {
-    let places = costs.len() * LANES;
-    let below = before[..places].as_chunks::<LANES>().0;
-    let same = before[1..places + 1].as_chunks::<LANES>().0;
-    let above = before[2..places + 2].as_chunks::<LANES>().0;
-    let next = now[1..places + 1].as_chunks_mut::<LANES>().0;
     let (base, jump) = (wide.splat(least), wide.splat(least.saturating_add(large)));
     let small = wide.splat(small);
-    let mut lowest = wide.splat(FAR);
-    let runs = below.iter().zip(same).zip(above).zip(costs).zip(next);
-    for (i, ((((below, same), above), costs), next)) in runs.enumerate() {
-        let beside = wide.add(wide.min(wide.load(below), wide.load(above)), small);
-        let cheapest = wide.min(wide.min(wide.load(same), beside), jump);
-        let cost = wide.add(wide.sub(cheapest, base), wide.load(costs));
-        wide.store(cost, next);
+    let far = wide.splat(FAR);
+    let mut lowest = far;
+    let mut previous = far;
+    let count = costs.len();
+    let run = &mut run[..count];
+    let Some(first) = run.first() else {
+        return FAR;
+    };
+    let mut same = wide.load(first);
+    for i in 0..count {
+        let next = if i + 1 < count {
+            wide.load(&run[i + 1])
+        } else {
+            far
+        };
+        let neighbours = wide.min(wide.after(previous, same), wide.ahead(same, next));
+        let beside = wide.add(neighbours, small);
+        let cheapest = wide.min(wide.min(same, beside), jump);
+        let cost = wide.add(wide.sub(cheapest, base), wide.load(&costs[i]));
+        wide.store(cost, &mut run[i]);
         lowest = wide.min(lowest, cost);
         each(i, cost);
+        (previous, same) = (same, next);
     }
     wide.least(lowest)
 }

@@ -1,10 +1,11 @@
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
-use v1_gabor::{Binocular, Responses};
+use v1_gabor::{Binocular, FilterBank, LumaImage, WrongSize};
 
 use crate::SearchRange;
+use crate::dense::bank_rows::BankRows;
 use crate::dense::padding::Padding;
-use crate::dense::pixel_cost::{LANES, PixelCost};
+use crate::dense::pixel_cost::{LANES, PixelCost, RowCost};
 use crate::dense::wide::Wide;
 
 /// Orientations of the bank that the cost is taken from: more change nothing.
@@ -40,57 +41,53 @@ struct NormalisedResponses {
 }
 
 impl PhaseAgreement {
-    /// Takes the finest responses of both eyes, of [`COST_ORIENTATIONS`] orientations each. `unit`
-    /// is what a unit of cost is.
+    /// What a bank of [`COST_ORIENTATIONS`] orientations says of both eyes. `unit` is what a unit of
+    /// cost is.
+    ///
+    /// # Errors
+    /// [`WrongSize`] if the bank was planned for others.
     pub(crate) fn new(
-        eyes: Binocular<&Responses>,
+        bank: &FilterBank,
+        eyes: Binocular<&LumaImage>,
         silent_energy: f32,
         search: SearchRange,
         unit: u8,
-    ) -> Self {
+    ) -> Result<Self, WrongSize> {
         let padding = Padding::of(search);
         // The sum over the orientations of the products of full responses is a unit, cut off.
         let full = (f32::from(unit) * CUT / COST_ORIENTATIONS as f32).sqrt();
         // Rounding lengthens a pixel's vector of eight parts by at most half of sqrt 8.
         let longest = (COST_ORIENTATIONS as f32).sqrt() * full + 2.0f32.sqrt();
-        Self {
-            eyes: eyes.map(|eye| NormalisedResponses::of(eye, silent_energy, full, padding)),
+        Ok(Self {
+            eyes: eyes
+                .try_map(|eye| NormalisedResponses::of(bank, eye, silent_energy, full, padding))?,
             padding,
             most: (longest * longest).ceil() as i16,
-        }
+        })
     }
 }
 
 impl PixelCost for PhaseAgreement {
+    type Row<'a> = AgreementRow<'a>;
+
     #[inline(always)]
-    fn costs<W: Wide>(&self, wide: W, x: usize, y: usize, costs: &mut [u8]) {
-        let place = self.padding.place(x);
-        let run = self.padding.first(x)..self.padding.first(x) + costs.len();
-        let (left, right) = (&self.eyes.left, &self.eyes.right);
-        let own: [[u8; 2]; COST_ORIENTATIONS] = std::array::from_fn(|q| left.row(y, q)[place]);
-        // The products with the bias of the other eye's parts are the same for all shifts.
-        let biased = own.as_flattened().iter().fold(0i16, |sum, part| {
-            sum.wrapping_add(i16::from(*part) - i16::from(BIAS))
-        });
-        let base = self.most.wrapping_add(i16::from(BIAS).wrapping_mul(biased));
-        let left = Left {
-            base: wide.splat_word(base),
-            pairs: [
-                splat_without_bias(wide, own[0]),
-                splat_without_bias(wide, own[1]),
-                splat_without_bias(wide, own[2]),
-                splat_without_bias(wide, own[3]),
+    fn row(&self, y: usize) -> AgreementRow<'_> {
+        let Binocular { left, right } = &self.eyes;
+        AgreementRow {
+            left: [
+                left.row(y, 0),
+                left.row(y, 1),
+                left.row(y, 2),
+                left.row(y, 3),
             ],
-        };
-        let runs_a = blocks(right.row(y, 0), &run);
-        let runs_b = blocks(right.row(y, 1), &run);
-        let runs_c = blocks(right.row(y, 2), &run);
-        let runs_d = blocks(right.row(y, 3), &run);
-        let runs = runs_a.iter().zip(runs_b).zip(runs_c.iter().zip(runs_d));
-        for (costs, ((a, b), (c, d))) in costs.as_chunks_mut::<LANES>().0.iter_mut().zip(runs) {
-            let first = left.disagreement(wide, [&a[0], &b[0], &c[0], &d[0]]);
-            let second = left.disagreement(wide, [&a[1], &b[1], &c[1], &d[1]]);
-            wide.store(wide.upper_6(first, second), costs);
+            right: [
+                right.row(y, 0),
+                right.row(y, 1),
+                right.row(y, 2),
+                right.row(y, 3),
+            ],
+            padding: self.padding,
+            most: self.most,
         }
     }
 
@@ -101,6 +98,54 @@ impl PixelCost for PhaseAgreement {
                 right: self.eyes.left.mirrored(self.padding),
             },
             ..*self
+        }
+    }
+}
+
+/// Both eyes' parts along one row, orientation by orientation.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AgreementRow<'a> {
+    left: [&'a [[u8; 2]]; COST_ORIENTATIONS],
+    right: [&'a [[u8; 2]]; COST_ORIENTATIONS],
+    padding: Padding,
+    most: i16,
+}
+
+impl RowCost for AgreementRow<'_> {
+    #[inline(always)]
+    fn costs<W: Wide>(self, wide: W, x: usize, first: usize, costs: &mut [u8]) {
+        let place = self.padding.place(x);
+        let first = self.padding.first(x) + first;
+        let run = first..first + costs.len();
+        let [a, b, c, d] = self.left;
+        let own = [a[place], b[place], c[place], d[place]];
+        // The products with the bias of the other eye's parts are the same for all shifts.
+        let mut biased = 0i16;
+        for [even, odd] in own {
+            biased += i16::from(even) + i16::from(odd) - 2 * i16::from(BIAS);
+        }
+        let base = self.most.wrapping_add(i16::from(BIAS).wrapping_mul(biased));
+        let left = Left {
+            base: wide.splat_word(base),
+            pairs: [
+                splat_without_bias(wide, own[0]),
+                splat_without_bias(wide, own[1]),
+                splat_without_bias(wide, own[2]),
+                splat_without_bias(wide, own[3]),
+            ],
+        };
+        let [a, b, c, d] = self.right;
+        let (a, b, c, d) = (
+            blocks(a, &run),
+            blocks(b, &run),
+            blocks(c, &run),
+            blocks(d, &run),
+        );
+        let runs = a.iter().zip(b).zip(c.iter().zip(d));
+        for (costs, ((a, b), (c, d))) in costs.as_chunks_mut::<LANES>().0.iter_mut().zip(runs) {
+            let first = left.disagreement(wide, [&a[0], &b[0], &c[0], &d[0]]);
+            let second = left.disagreement(wide, [&a[1], &b[1], &c[1], &d[1]]);
+            wide.store(wide.upper_6(first, second), costs);
         }
     }
 }
@@ -183,15 +228,21 @@ fn byte(value: f32) -> u8 {
 }
 
 impl NormalisedResponses {
-    fn of(responses: &Responses, silent_energy: f32, full: f32, padding: Padding) -> Self {
-        let size = responses.size();
+    fn of(
+        bank: &FilterBank,
+        eye: &LumaImage,
+        silent_energy: f32,
+        full: f32,
+        padding: Padding,
+    ) -> Result<Self, WrongSize> {
+        let size = bank.size();
         let stride = padding.stride(size.width);
-        let mut parts = vec![[BIAS; 2]; size.height * COST_ORIENTATIONS * stride];
-        let samples = responses.samples().as_chunks().0;
-        parts
-            .par_chunks_mut(COST_ORIENTATIONS * stride)
-            .zip(samples.par_chunks(size.width))
-            .for_each(|(rows, samples)| {
+        let mut parts = vec![[0; 2]; size.height * COST_ORIENTATIONS * stride];
+        let rows = parts.par_chunks_mut(COST_ORIENTATIONS * stride);
+        rows.enumerate().try_for_each_init(
+            || BankRows::of(bank),
+            |space, (y, rows)| {
+                let samples = space.row(bank, eye, y)?.as_chunks().0;
                 let own = padding.place(0)..padding.place(size.width);
                 let mut each = rows.chunks_exact_mut(stride);
                 let rows: [&mut [[u8; 2]]; COST_ORIENTATIONS] = std::array::from_fn(|_| {
@@ -204,11 +255,13 @@ impl NormalisedResponses {
                     full,
                     rows,
                 });
-            });
-        for row in parts.chunks_exact_mut(stride) {
-            padding.replicate(row);
-        }
-        Self { stride, parts }
+                Ok(())
+            },
+        )?;
+        parts
+            .par_chunks_mut(stride)
+            .for_each(|row| padding.replicate(row));
+        Ok(Self { stride, parts })
     }
 
     /// One row of one orientation, padded.

@@ -1,10 +1,11 @@
 use rayon::prelude::*;
-use v1_gabor::{Binocular, Responses};
+use v1_gabor::{Binocular, FilterBank, LumaImage, WrongSize};
 
 use crate::SearchRange;
+use crate::dense::bank_rows::BankRows;
 use crate::dense::padding::Padding;
 use crate::dense::phase_agreement::COST_ORIENTATIONS;
-use crate::dense::pixel_cost::PixelCost;
+use crate::dense::pixel_cost::{PixelCost, RowCost};
 use crate::dense::wide::Wide;
 
 /// Least amplitude of an orientation that is heard.
@@ -34,32 +35,34 @@ struct QuadrantCodes {
 }
 
 impl PhaseQuadrants {
-    /// Takes the finest responses of both eyes, of [`COST_ORIENTATIONS`] orientations each. `unit`
-    /// is what a unit of cost is.
-    pub(crate) fn new(eyes: Binocular<&Responses>, search: SearchRange, unit: u8) -> Self {
+    /// What a bank of [`COST_ORIENTATIONS`] orientations says of both eyes. `unit` is what a unit of
+    /// cost is.
+    ///
+    /// # Errors
+    /// [`WrongSize`] if the bank was planned for others.
+    pub(crate) fn new(
+        bank: &FilterBank,
+        eyes: Binocular<&LumaImage>,
+        search: SearchRange,
+        unit: u8,
+    ) -> Result<Self, WrongSize> {
         let padding = Padding::of(search);
-        Self {
-            eyes: eyes.map(|eye| QuadrantCodes::of(eye, padding)),
+        Ok(Self {
+            eyes: eyes.try_map(|eye| QuadrantCodes::of(bank, eye, padding))?,
             padding,
             unit,
-        }
+        })
     }
 }
 
 impl PixelCost for PhaseQuadrants {
+    type Row<'a> = QuadrantRow<'a>;
+
     #[inline(always)]
-    fn costs<W: Wide>(&self, _: W, x: usize, y: usize, costs: &mut [u8]) {
-        let (left, right) = (&self.eyes.left, &self.eyes.right);
-        let place = y * left.stride + self.padding.place(x);
-        let (quadrants, heard) = (left.quadrants[place], left.heard[place]);
-        let unit = u16::from(self.unit);
-        let first = y * right.stride + self.padding.first(x);
-        let run = first..first + costs.len();
-        let others = right.quadrants[run.clone()].iter().zip(&right.heard[run]);
-        for (cost, (&other, &other_heard)) in costs.iter_mut().zip(others) {
-            let both = heard & other_heard;
-            let differing = ((quadrants ^ other) & both) | (!both & HALF);
-            *cost = ((differing.count_ones() as u16 * unit) >> 2) as u8;
+    fn row(&self, y: usize) -> QuadrantRow<'_> {
+        QuadrantRow {
+            cost: self,
+            start: y * self.eyes.left.stride,
         }
     }
 
@@ -74,9 +77,39 @@ impl PixelCost for PhaseQuadrants {
     }
 }
 
+/// The codes of both eyes from one row on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct QuadrantRow<'a> {
+    cost: &'a PhaseQuadrants,
+    start: usize,
+}
+
+impl RowCost for QuadrantRow<'_> {
+    #[inline(always)]
+    fn costs<W: Wide>(self, _: W, x: usize, first: usize, costs: &mut [u8]) {
+        let PhaseQuadrants {
+            eyes,
+            padding,
+            unit,
+        } = self.cost;
+        let (left, right) = (&eyes.left, &eyes.right);
+        let place = self.start + padding.place(x);
+        let (quadrants, heard) = (left.quadrants[place], left.heard[place]);
+        let unit = u16::from(*unit);
+        let first = self.start + padding.first(x) + first;
+        let run = first..first + costs.len();
+        let others = right.quadrants[run.clone()].iter().zip(&right.heard[run]);
+        for (cost, (&other, &other_heard)) in costs.iter_mut().zip(others) {
+            let both = heard & other_heard;
+            let differing = ((quadrants ^ other) & both) | (!both & HALF);
+            *cost = ((differing.count_ones() as u16 * unit) >> 2) as u8;
+        }
+    }
+}
+
 impl QuadrantCodes {
-    fn of(responses: &Responses, padding: Padding) -> Self {
-        let size = responses.size();
+    fn of(bank: &FilterBank, eye: &LumaImage, padding: Padding) -> Result<Self, WrongSize> {
+        let size = bank.size();
         let stride = padding.stride(size.width);
         let mut quadrants = vec![0; size.height * stride];
         let mut heard = vec![0; size.height * stride];
@@ -86,26 +119,30 @@ impl QuadrantCodes {
         )
             .into_par_iter()
             .enumerate()
-            .for_each(|(y, (quadrants, heard))| {
-                for x in 0..size.width {
-                    let pixel = responses.pixel(x, y);
-                    let place = padding.place(x);
-                    for q in 0..COST_ORIENTATIONS {
-                        let (even, odd) = (pixel.even[q], pixel.odd[q]);
-                        let code = u8::from(even > 0.0) | u8::from(odd > 0.0) << 1;
-                        let loud = even * even + odd * odd > HEARD_AMPLITUDE * HEARD_AMPLITUDE;
-                        quadrants[place] |= code << (2 * q);
-                        heard[place] |= (0b11 * u8::from(loud)) << (2 * q);
+            .try_for_each_init(
+                || BankRows::of(bank),
+                |space, (y, (quadrants, heard))| {
+                    let row = space.row(bank, eye, y)?;
+                    for (x, pixel) in row.chunks_exact(2 * COST_ORIENTATIONS).enumerate() {
+                        let place = padding.place(x);
+                        for q in 0..COST_ORIENTATIONS {
+                            let (even, odd) = (pixel[q], pixel[COST_ORIENTATIONS + q]);
+                            let code = u8::from(even > 0.0) | u8::from(odd > 0.0) << 1;
+                            let loud = even * even + odd * odd > HEARD_AMPLITUDE * HEARD_AMPLITUDE;
+                            quadrants[place] |= code << (2 * q);
+                            heard[place] |= (0b11 * u8::from(loud)) << (2 * q);
+                        }
                     }
-                }
-                padding.replicate(quadrants);
-                padding.replicate(heard);
-            });
-        Self {
+                    padding.replicate(quadrants);
+                    padding.replicate(heard);
+                    Ok(())
+                },
+            )?;
+        Ok(Self {
             stride,
             quadrants,
             heard,
-        }
+        })
     }
 
     fn mirrored(&self, padding: Padding) -> Self {

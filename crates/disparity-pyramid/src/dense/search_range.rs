@@ -100,6 +100,14 @@ impl SearchRange {
         Some(range.within(width))
     }
 
+    /// The range in pixels of half the size, both ends rounded outwards.
+    pub(crate) const fn halved(self) -> Self {
+        Self {
+            least_dx: self.least_dx.div_euclid(2),
+            most_dx: (self.most_dx + 1).div_euclid(2),
+        }
+    }
+
     /// The same range without shifts that lead out of an image of this width at every pixel. What
     /// lies wholly outside becomes the one shift nearest to it that does not.
     pub(crate) fn within(self, width: usize) -> Self {

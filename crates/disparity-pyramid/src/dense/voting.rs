@@ -2,6 +2,7 @@ use rayon::prelude::*;
 
 use crate::SearchRange;
 use crate::dense::cross_arms::CrossArms;
+use crate::dense::nearest::nearest;
 use crate::dense::partial_field::{PartialField, is_hidden};
 
 /// Votes that carry an election: more than so many, and more than this part of all.
@@ -19,21 +20,24 @@ const HIDDEN_NEARER_PX: f32 = 1.0;
 /// than what lies behind it.
 pub(crate) fn vote(field: &mut PartialField, arms: &CrossArms<'_>, search: SearchRange) {
     let (height, width) = field.dx.dim();
+    let bins = bins(field, search);
     let elected: Vec<Vec<Option<f32>>> = (0..height)
         .into_par_iter()
         .map_init(
             || vec![(0u32, 0.0f32); search.shifts()],
-            |bins, y| {
+            |counts, y| {
+                if field.known.row(y).iter().all(|known| *known) {
+                    return vec![None; width];
+                }
                 let behind = field.backgrounds(y);
                 let elected = (0..width).map(|x| {
                     if field.known[[y, x]] {
                         return None;
                     }
-                    let winner = elect(field, arms, search, bins, (x, y))?;
-                    let behind = behind[x].filter(|_| is_hidden(field.validity[[y, x]]));
-                    behind
-                        .is_none_or(|behind| winner >= behind - HIDDEN_NEARER_PX)
-                        .then_some(winner)
+                    let winner = elect(field, arms, &bins, counts, (x, y))?;
+                    let seen_by_both = !is_hidden(field.validity[[y, x]]);
+                    let fits = seen_by_both || winner >= behind[x] - HIDDEN_NEARER_PX;
+                    fits.then_some(winner)
                 });
                 elected.collect()
             },
@@ -48,30 +52,50 @@ pub(crate) fn vote(field: &mut PartialField, arms: &CrossArms<'_>, search: Searc
     }
 }
 
-/// The shift that carries the election among the known pixels of a surface. `bins` are one a shift.
+/// Stands for the bin of a pixel that knows nothing.
+const NO_BIN: u16 = u16::MAX;
+
+/// The whole-pixel bin of every known shift, row-major: told once, as each has many voters.
+fn bins(field: &PartialField, search: SearchRange) -> Vec<u16> {
+    let most = (search.shifts() - 1) as f32;
+    let shifts = field.dx.iter().zip(&field.known);
+    let bin = |(dx, known): (&f32, &bool)| {
+        if *known {
+            (nearest(*dx) - search.least_dx() as f32).clamp(0.0, most) as u16
+        } else {
+            NO_BIN
+        }
+    };
+    shifts.map(bin).collect()
+}
+
+/// The shift that carries the election among the known pixels of a surface. `counts` are the votes
+/// and the sum of the shifts of each bin.
 fn elect(
     field: &PartialField,
     arms: &CrossArms<'_>,
-    search: SearchRange,
-    bins: &mut [(u32, f32)],
+    bins: &[u16],
+    counts: &mut [(u32, f32)],
     (x, y): (usize, usize),
 ) -> Option<f32> {
     let dx = field.dx.as_slice()?;
-    let known = field.known.as_slice()?;
-    bins.fill((0, 0.0));
-    let mut votes = 0;
+    counts.fill((0, 0.0));
+    let (mut votes, mut most, mut fullest) = (0, 0, 0);
     for run in arms.region(x, y).step_by(ROWS) {
-        for (dx, known) in dx[run.clone()].iter().zip(&known[run]) {
-            if *known {
-                let bin = (dx.round() as i32 - search.least_dx()).max(0) as usize;
-                let bin = &mut bins[bin.min(search.shifts() - 1)];
-                *bin = (bin.0 + 1, bin.1 + dx);
+        for (dx, bin) in dx[run.clone()].iter().zip(&bins[run]) {
+            if *bin != NO_BIN {
+                let bin = usize::from(*bin);
+                let (count, sum) = &mut counts[bin];
+                *count += 1;
+                *sum += dx;
                 votes += 1;
+                // Of equally full bins the farthest.
+                if *count > most || (*count == most && bin > fullest) {
+                    (most, fullest) = (*count, bin);
+                }
             }
         }
     }
-    // Of equally full bins the farthest.
-    let (most, sum) = bins.iter().copied().max_by_key(|bin| bin.0)?;
     let carried = most > LEAST_VOTES && most as f32 > LEAST_SHARE * votes as f32;
-    carried.then(|| sum / most as f32)
+    carried.then(|| counts[fullest].1 / most as f32)
 }

@@ -32,6 +32,10 @@ pub(crate) trait Wide: Copy {
         then: Self::Bytes,
         otherwise: Self::Bytes,
     ) -> Self::Bytes;
+    /// The bytes one place further on, the last of `before` in the first place.
+    fn after(self, before: Self::Bytes, values: Self::Bytes) -> Self::Bytes;
+    /// The bytes one place back, the first of `next` in the last place.
+    fn ahead(self, values: Self::Bytes, next: Self::Bytes) -> Self::Bytes;
     /// The least of the bytes.
     fn least(self, values: Self::Bytes) -> u8;
     /// The first place that holds a value.
@@ -95,6 +99,19 @@ impl Wide for Plain {
         otherwise: Self::Bytes,
     ) -> Self::Bytes {
         std::array::from_fn(|i| if a[i] < b[i] { then[i] } else { otherwise[i] })
+    }
+
+    #[inline(always)]
+    fn after(self, before: Self::Bytes, values: Self::Bytes) -> Self::Bytes {
+        std::array::from_fn(|i| match i.checked_sub(1) {
+            None => before[LANES - 1],
+            Some(i) => values[i],
+        })
+    }
+
+    #[inline(always)]
+    fn ahead(self, values: Self::Bytes, next: Self::Bytes) -> Self::Bytes {
+        std::array::from_fn(|i| values.get(i + 1).copied().unwrap_or(next[0]))
     }
 
     #[inline(always)]
@@ -192,6 +209,18 @@ impl Wide for pulp::x86::V3 {
         // The machine compares bytes with a sign only.
         let not_less = self.avx2._mm256_cmpeq_epi8(self.min(a, b), b);
         self.avx2._mm256_blendv_epi8(then, otherwise, not_less)
+    }
+
+    #[inline(always)]
+    fn after(self, before: Self::Bytes, values: Self::Bytes) -> Self::Bytes {
+        let halves = self.avx2._mm256_permute2x128_si256::<0x21>(before, values);
+        self.avx2._mm256_alignr_epi8::<15>(values, halves)
+    }
+
+    #[inline(always)]
+    fn ahead(self, values: Self::Bytes, next: Self::Bytes) -> Self::Bytes {
+        let halves = self.avx2._mm256_permute2x128_si256::<0x21>(values, next);
+        self.avx2._mm256_alignr_epi8::<1>(halves, values)
     }
 
     #[inline(always)]
@@ -294,6 +323,8 @@ mod tests {
             wide.add(va, vb),
             wide.sub(va, vb),
             wide.min(va, vb),
+            wide.after(va, vb),
+            wide.ahead(va, vb),
             wide.if_less(va, vb, wide.splat(1), wide.splat(2)),
             wide.upper_6(words, product),
         ];

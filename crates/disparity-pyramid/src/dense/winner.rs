@@ -1,3 +1,4 @@
+use crate::dense::aggregate::FIRST_PLACES;
 use crate::dense::pixel_cost::LANES;
 use crate::dense::wide::Wide;
 
@@ -16,9 +17,9 @@ pub(crate) struct Winner {
 pub(crate) const NO_SHIFT: u8 = u8::MAX;
 
 /// The winner among the summed path costs of a pixel, the first of equals; `least` is the least of
-/// them. `sums` is a whole number of vectors, [`NO_SHIFT`] beyond the last shift; it is used up.
+/// them. `sums` is a whole number of vectors, [`NO_SHIFT`] beyond the last shift.
 #[inline(always)]
-pub(crate) fn winner<W: Wide>(wide: W, sums: &mut [u8], least: u8) -> Winner {
+pub(crate) fn winner<W: Wide>(wide: W, sums: &[u8], least: u8) -> Winner {
     let place = first_of(wide, sums, least);
     let beside = |place: Option<usize>| {
         let cost = place.and_then(|place| sums.get(place)).copied();
@@ -37,24 +38,26 @@ pub(crate) fn winner<W: Wide>(wide: W, sums: &mut [u8], least: u8) -> Winner {
         }
         _ => 0.0,
     };
-    // One by one: to fill three bytes is a call.
-    for near in [place.wrapping_sub(1), place, place + 1] {
-        if let Some(sum) = sums.get_mut(near) {
-            *sum = NO_SHIFT;
-        }
-    }
     Winner {
         place,
         beyond,
-        margin: self::least(wide, sums) - least,
+        margin: least_but_for(wide, sums, place) - least,
     }
 }
 
+/// The least of the sums that are neither at `place` nor beside it.
 #[inline(always)]
-fn least<W: Wide>(wide: W, sums: &[u8]) -> u8 {
-    let mut lowest = wide.splat(u8::MAX);
-    for run in sums.as_chunks::<LANES>().0 {
-        lowest = wide.min(lowest, wide.load(run));
+fn least_but_for<W: Wide>(wide: W, sums: &[u8], place: usize) -> u8 {
+    // Places are counted from the vector before, so that the last of it lies beside the first here.
+    let places = wide.add(wide.load(&FIRST_PLACES), wide.splat(LANES as u8));
+    let (one, no_shift) = (wide.splat(1), wide.splat(NO_SHIFT));
+    let mut lowest = no_shift;
+    for (block, run) in sums.as_chunks::<LANES>().0.iter().enumerate() {
+        let from_before = (place + LANES).wrapping_sub(block * LANES);
+        let won = wide.splat(from_before.min(usize::from(u8::MAX)) as u8);
+        let distance = wide.add(wide.sub(places, won), wide.sub(won, places));
+        let others = wide.if_less(one, distance, wide.load(run), no_shift);
+        lowest = wide.min(lowest, others);
     }
     wide.least(lowest)
 }
@@ -85,7 +88,7 @@ mod tests {
             let mut sums = costs.clone();
             sums.resize(costs.len().next_multiple_of(LANES), NO_SHIFT);
             let least = *costs.iter().min().unwrap();
-            let found = winner(Plain, &mut sums, least);
+            let found = winner(Plain, &sums, least);
             let place = costs.iter().position(|cost| *cost == least).unwrap();
             prop_assert_eq!(found.place, place);
             prop_assert!(found.beyond.abs() <= 0.5);
