@@ -19,9 +19,8 @@ pub struct MatchParams {
     /// At how many of the finest scales every second pixel of every second row is fitted, in place of
     /// every one. A filter sees a patch several pixels wide, so that neighbours say nearly the same;
     /// those between take the mean of the ones beside them, or the surer one's shift where these are
-    /// two surfaces'. With 2 the warps and medians cost two fifths of what they do with 0, and as the
-    /// medians reach twice as far with as many values, the error of the best guess is a tenth smaller on
-    /// the mean of thirteen scenes. [`slants`](Self::slants) fits every pixel.
+    /// two surfaces'. With 2 the whole takes three fifths of the time that it does with 0, and as the
+    /// medians reach twice as far with as many values, it errs less on most scenes (`docs/ablation.md`). [`slants`](Self::slants) fits every pixel.
     pub sparse_scales: usize,
     /// Rounds of robust reweighting of the orientations in each least-squares fit; 0 is the plain
     /// fit of equation 3.
