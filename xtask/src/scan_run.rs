@@ -141,6 +141,7 @@ impl ScanRun {
     }
 
     fn summary(&self) -> MarkdownTable {
+        type Of = fn(&Scanned) -> Counts;
         let mut table = MarkdownTable::new([
             "calculus",
             "pairs",
@@ -149,7 +150,7 @@ impl ScanRun {
             "classes left of 5",
             "labels left of 9",
         ]);
-        let both: [(&str, fn(&Scanned) -> Counts); 2] = [
+        let both: [(&str, Of); 2] = [
             ("`Sound`, from the map's places", |room| room.sound),
             ("`Published`, composed from the same places", |room| {
                 room.published

@@ -1,5 +1,6 @@
 //! The page of a scan in a real browser: it opens, its slider moves, a relation explains itself, and
 //! nothing goes wrong on the way.
+#![allow(clippy::print_stderr, reason = "a test that cannot be run says so")]
 mod command;
 mod small_room;
 

@@ -45,7 +45,7 @@ pub fn figure_12(memory: &SceneMemory) -> Option<[ObjectId; 2]> {
         let turn = (q[0].atan2(q[1]) - p[0].atan2(p[1])).to_degrees();
         let apart = (p[0] - q[0]).hypot(p[1] - q[1]);
         // So far to the right that one view can do without it.
-        (12.0..40.0).contains(&turn).then(|| (apart, [*a, *b]))
+        (12.0..40.0).contains(&turn).then_some((apart, [*a, *b]))
     });
     let (_, pair) = beside.min_by(|a, b| a.0.total_cmp(&b.0))?;
     Some(pair.map(Clone::clone))
