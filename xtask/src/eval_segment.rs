@@ -4,9 +4,7 @@ use anyhow::{Context, bail};
 use clap::Args;
 use disparity_pyramid::{EyeView, MatchParams};
 use dorsal::{DenseLook, Range, Rows};
-use egocentric_depth::{
-    DepthMap, LabelImage, SegmentParams, StereoRig, segment, triangulate, triangulate_guesses,
-};
+use egocentric_depth::{DepthMap, LabelImage, SegmentParams, StereoRig, segment, triangulate};
 use ndarray::{Array2, Array3, Axis};
 use stereo_formats::picture;
 use stereo_scenes::{Exposure, Room, View, render};
@@ -206,8 +204,5 @@ fn depth(
         let responses = luma.as_ref().try_map(|eye| bank.respond(eye))?;
         Range::Wide.disparity(&responses, matching)?.field
     };
-    Ok(match source {
-        Source::VectorGuesses => triangulate_guesses(&field, rig),
-        _ => triangulate(&field, rig),
-    })
+    Ok(triangulate(&field, rig))
 }

@@ -176,10 +176,14 @@ fn place(
         .depth_sigma_m(in_head, median_sigma_px(&agreeing))
         .hypot(of_median_m)
         .hypot(of_left_out_m);
+    // The pixels that are left out may lie on one side of the object as well as before or behind it.
+    let pixel_sigma_px = [columns(&agreeing), rows(&agreeing)].map(|mut places| {
+        left_out_sigma(&mut places, evidence.pixels).hypot(params.label_sigma_px)
+    });
     Ok(LocatedObject {
         label: evidence.label,
         position: rig.to_observer(in_head),
-        covariance_m2: covariance(rig, pixel, depth_m, depth_sigma_m, params.label_sigma_px)
+        covariance_m2: covariance(rig, pixel, depth_m, depth_sigma_m, pixel_sigma_px)
             .ok_or(WhyUnlocated::NotInFront)?,
         pixel,
         depth_m,
@@ -190,17 +194,18 @@ fn place(
     })
 }
 
-/// How far the median of all pixels may be from that of the depths that agree: one standard deviation.
+/// How far the median of all pixels' depths, columns or rows may be from that of those that agree: one
+/// standard deviation.
 ///
-/// The part of those left out that lie nearer may be anything from none to all, a uniform distribution
+/// The part of those left out that lie below it may be anything from none to all, a uniform distribution
 /// with a standard deviation of `1 / sqrt(12)`. With a part `u` of all left out, that moves the rank of
 /// the median among those that agree by `u / (1 - u)` of it.
-fn left_out_sigma(depths: &mut [f64], pixels: usize) -> f64 {
-    depths.sort_unstable_by(f64::total_cmp);
-    let last = depths.len() - 1;
-    let kept = depths.len() as f64 / pixels as f64;
+fn left_out_sigma(values: &mut [f64], pixels: usize) -> f64 {
+    values.sort_unstable_by(f64::total_cmp);
+    let last = values.len() - 1;
+    let kept = values.len() as f64 / pixels as f64;
     let shift = ((1.0 - kept) / kept / 12f64.sqrt()).min(0.5);
-    let at = |rank: f64| depths[(rank * last as f64).round() as usize];
+    let at = |rank: f64| values[(rank * last as f64).round() as usize];
     (at(0.5 + shift) - at(0.5 - shift)) / 2.0
 }
 
@@ -243,9 +248,15 @@ fn depths_of(pixels: &[KnownPixel]) -> Vec<f64> {
 }
 
 fn median_pixel(pixels: &[KnownPixel]) -> (f64, f64) {
-    let mut columns: Vec<f64> = pixels.iter().map(|pixel| f64::from(pixel.x)).collect();
-    let mut rows: Vec<f64> = pixels.iter().map(|pixel| f64::from(pixel.y)).collect();
-    (median(&mut columns), median(&mut rows))
+    (median(&mut columns(pixels)), median(&mut rows(pixels)))
+}
+
+fn columns(pixels: &[KnownPixel]) -> Vec<f64> {
+    pixels.iter().map(|pixel| f64::from(pixel.x)).collect()
+}
+
+fn rows(pixels: &[KnownPixel]) -> Vec<f64> {
+    pixels.iter().map(|pixel| f64::from(pixel.y)).collect()
 }
 
 /// The covariance of `origin + depth / D_z D(pixel)` in the observer frame, `D` being the line of
@@ -256,7 +267,7 @@ fn covariance(
     pixel: (f64, f64),
     depth_m: f64,
     depth_sigma_m: f64,
-    pixel_sigma_px: f64,
+    [across_px, down_px]: [f64; 2],
 ) -> Option<[[f64; 3]; 3]> {
     let eye = rig.eyes().left;
     let (fx, fy) = eye.intrinsics.focal_px;
@@ -268,8 +279,8 @@ fn covariance(
     };
     let terms = [
         (along, depth_sigma_m),
-        (per_pixel([1.0 / fx, 0.0, 0.0]), pixel_sigma_px),
-        (per_pixel([0.0, 1.0 / fy, 0.0]), pixel_sigma_px),
+        (per_pixel([1.0 / fx, 0.0, 0.0]), across_px),
+        (per_pixel([0.0, 1.0 / fy, 0.0]), down_px),
     ]
     .map(|(derivative, sigma)| {
         rig.head_to_observer()
