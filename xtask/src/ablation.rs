@@ -12,9 +12,23 @@ use crate::masks::Masks;
 use crate::metrics::Metrics;
 
 /// The preset with one ingredient exchanged or left out at a time.
-fn variants(preset: DenseParams) -> [(&'static str, DenseParams); 10] {
+fn variants(preset: DenseParams) -> [(&'static str, DenseParams); 12] {
     [
         ("as it is", preset),
+        (
+            "the whole range searched everywhere",
+            DenseParams {
+                narrow_px: None,
+                ..preset
+            },
+        ),
+        (
+            "narrowed by a look at half the size",
+            DenseParams {
+                narrow_px: Some(4),
+                ..preset
+            },
+        ),
         (
             "quadrants for phase agreement",
             DenseParams {

@@ -8,9 +8,10 @@ use clap::Args;
 use disparity_pyramid::{
     DenseMatcher, DenseParams, DisparityField, EyeView, MatchParams, SearchRange, VectorMatcher,
 };
+use egocentric_depth::StereoRig;
 use indicatif::ProgressBar;
 use serde::Serialize;
-use stereo_scenes::{Exposure, Room, render};
+use stereo_scenes::{Exposure, Gaze, Room, render};
 use v1_gabor::{BankWorkspace, Binocular, FilterBank, GaborParams, LumaImage, Size, V1Responses};
 
 use crate::bench_page::bench_page;
@@ -101,8 +102,27 @@ const VECTOR: &str = "vector pyramid";
 const NO_LOOK_BACK: &str = "vector pyramid, no look back";
 const ONE_WARP: &str = "vector pyramid, one warp";
 const DENSE_FAST: &str = "dense, fast";
+const DENSE_FULL: &str = "dense, fast, whole range";
+const DENSE_BEST: &str = "dense, best";
+const DENSE_VERGED: &str = "dense, fast, verged pair";
 
-const OURS: [&str; 5] = [RESPONSES, VECTOR, NO_LOOK_BACK, ONE_WARP, DENSE_FAST];
+const OURS: [&str; 8] = [
+    RESPONSES,
+    VECTOR,
+    NO_LOOK_BACK,
+    ONE_WARP,
+    DENSE_FAST,
+    DENSE_FULL,
+    DENSE_BEST,
+    DENSE_VERGED,
+];
+
+/// OpenCV's matchers that search along rows, as the dense estimator does.
+const ALONG_ROWS: [&str; 3] = ["SGBM", "3WAY", "BM"];
+
+/// Distance of the parallel eyes at a width of 1024 pixels, in metres: the room's things then lie
+/// within the [`SHIFTS`] that are searched. At other widths the eyes move, and the shifts stay.
+const PARALLEL_BASELINE_M: f64 = 0.16;
 
 /// Runs the task.
 pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
@@ -163,21 +183,18 @@ fn at_size(
 ) -> anyhow::Result<(AtSize, Option<String>)> {
     let room = Room::demo();
     let gaze = room.head().resized(size).fixate(room.fixation_m())?;
-    let images = render(&room, &gaze, Exposure::default())?.images;
-    let folder = tempfile::tempdir().context("there is no room for the pictures")?;
-    let mut peers = match python {
-        None => None,
-        Some(python) => {
-            let paths = write_pair(&images, folder.path())?;
-            let threads = usize::from(options.threads);
-            let pair = (&*paths.left, &*paths.right);
-            Some(OpencvClock::start(python, pair, SHIFTS, threads)?)
-        }
+    let verged = render(&room, &gaze, Exposure::default())?.images;
+    let parallel = render(&room, &parallel_gaze(&room, size)?, Exposure::default())?.images;
+    let start = |images: &Binocular<LumaImage>| match python {
+        None => Ok(None),
+        Some(python) => start_peers(python, images, usize::from(options.threads)).map(Some),
     };
+    let mut peers = start(&verged)?;
+    let mut along_rows = start(&parallel)?;
     let threads = rayon::ThreadPoolBuilder::new()
         .num_threads(usize::from(options.threads))
         .build()?;
-    let mut ours = threads.install(|| Ours::plan(images))?;
+    let mut ours = threads.install(|| Ours::plan(verged, parallel))?;
     let mut runs: Vec<(&'static str, Vec<Clocked>)> = OURS.map(|name| (name, Vec::new())).to_vec();
     if peers.is_some() {
         runs.extend(MATCHERS.map(|name| (name, Vec::new())));
@@ -185,7 +202,12 @@ fn at_size(
     // The first round fills buffers and caches and does not count.
     for round in 0..=options.rounds {
         for (name, runs) in &mut runs {
-            let took = match &mut peers {
+            let clock = if ALONG_ROWS.contains(name) {
+                &mut along_rows
+            } else {
+                &mut peers
+            };
+            let took = match clock {
                 Some(peers) if MATCHERS.contains(name) => peers.run(name)?,
                 _ => {
                     let (done, took) = clocked(|| threads.install(|| ours.run(name)));
@@ -212,21 +234,48 @@ fn at_size(
     Ok((at_size, peers.map(|peers| peers.version.clone())))
 }
 
+/// Parallel eyes at the head's place, tilted toward what it fixates.
+fn parallel_gaze(room: &Room, size: Size) -> anyhow::Result<Gaze> {
+    let head = room.head().resized(size);
+    let ([_, y, z], [_, to_y, to_z]) = (head.position_m, room.fixation_m());
+    let eyes = Binocular {
+        left: head.intrinsics(),
+        right: head.intrinsics(),
+    };
+    let baseline_m = PARALLEL_BASELINE_M * 1024.0 / size.width as f64;
+    let rig = StereoRig::parallel(eyes, baseline_m)?.tilted((to_z - z).atan2(to_y - y))?;
+    Ok(Gaze::new(head.position_m, head.heading_rad, size, rig)?)
+}
+
+/// OpenCV's matchers, ready for these pictures.
+fn start_peers(
+    python: &Path,
+    images: &Binocular<LumaImage>,
+    threads: usize,
+) -> anyhow::Result<OpencvClock> {
+    let folder = tempfile::tempdir().context("there is no room for the pictures")?;
+    let paths = write_pair(images, folder.path())?;
+    // The script has read the pictures when it has started.
+    OpencvClock::start(python, (&paths.left, &paths.right), SHIFTS, threads)
+}
+
 /// What runs of ours need, planned once as for a stream of frames.
 struct Ours {
     images: Binocular<LumaImage>,
+    /// The same room by parallel eyes: the dense estimator's pair.
+    parallel: Binocular<LumaImage>,
     bank: FilterBank,
     workspace: BankWorkspace,
     responses: Binocular<V1Responses>,
     /// One for each setting.
     vector: BTreeMap<&'static str, VectorMatcher>,
     field: DisparityField,
-    dense: DenseMatcher,
+    dense: BTreeMap<&'static str, DenseMatcher>,
     search: SearchRange,
 }
 
 impl Ours {
-    fn plan(images: Binocular<LumaImage>) -> anyhow::Result<Self> {
+    fn plan(images: Binocular<LumaImage>, parallel: Binocular<LumaImage>) -> anyhow::Result<Self> {
         let size = images.left.size();
         let bank = FilterBank::plan(GaborParams::default().fitted_to(size), size)?;
         let params = MatchParams::default();
@@ -251,7 +300,23 @@ impl Ours {
         let vector = settings
             .into_iter()
             .map(|(name, params)| Ok((name, VectorMatcher::plan(bank.clone(), params)?)));
+        let fast = DenseParams::fast();
+        let whole = DenseParams {
+            narrow_px: None,
+            ..fast
+        };
+        let dense = [
+            (DENSE_FAST, fast),
+            (DENSE_FULL, whole),
+            (DENSE_BEST, DenseParams::best()),
+            (DENSE_VERGED, fast),
+        ];
+        let dense = dense
+            .into_iter()
+            .map(|(name, params)| Ok((name, DenseMatcher::plan(params, size)?)));
         Ok(Self {
+            parallel,
+            dense: dense.collect::<anyhow::Result<_>>()?,
             vector: vector.collect::<anyhow::Result<_>>()?,
             workspace: bank.workspace(),
             responses: Binocular {
@@ -260,7 +325,6 @@ impl Ours {
             },
             bank,
             field: DisparityField::default(),
-            dense: DenseMatcher::plan(DenseParams::fast(), size)?,
             search: SearchRange::new(1 - SHIFTS as i32, 0)?,
             images,
         })
@@ -276,8 +340,17 @@ impl Ours {
         if name == RESPONSES {
             return self.respond();
         }
-        let views = self.images.as_ref().map(|luma| EyeView { luma, rgb: None });
-        black_box(self.dense.estimate(&views, self.search)?);
+        let pair = if name == DENSE_VERGED {
+            &self.images
+        } else {
+            &self.parallel
+        };
+        let views = pair.as_ref().map(EyeView::grey);
+        let matcher = self
+            .dense
+            .get(name)
+            .with_context(|| format!("nobody is called {name}"))?;
+        black_box(matcher.estimate(&views, self.search)?);
         Ok(())
     }
 
@@ -346,6 +419,7 @@ fn ratios(sizes: &[AtSize]) -> BTreeMap<&'static str, f64> {
         ("vector_no_look_back_vs_sgbm", NO_LOOK_BACK),
         ("vector_one_warp_vs_sgbm", ONE_WARP),
         ("dense_fast_vs_sgbm", DENSE_FAST),
+        ("dense_best_vs_sgbm", DENSE_BEST),
     ];
     let ratio = |(key, name)| Some((key, cpu("SGBM")? / cpu(name)?));
     names.into_iter().filter_map(ratio).collect()

@@ -5,9 +5,12 @@ use crate::markdown_table::MarkdownTable;
 pub(crate) fn bench_page(report: &Report) -> String {
     let mut page = format!(
         "# Speed\n\nWritten by `{}` on {}, on {} ({} cores), {}, {} build. Medians of {} rounds, in each of which \
-         every contestant runs once, with {} thread{} each{}. The pair is the project's rendered room; times go from the \
-         images in memory to the field, for the vector pyramid with both banks over six scales. OpenCV's \
-         matchers search 128 disparities (block 5; BM 15), as does `dense, fast`; DIS is its optical flow, medium preset.\n",
+         every contestant runs once, with {} thread{} each{}. The vector pyramid and DIS (OpenCV's optical flow, medium preset) see the \
+         project's rendered room as its head does, with eyes that converge; the dense estimator and OpenCV's other \
+         matchers, which search 128 disparities along rows (block 5; BM 15), see it with parallel eyes, as both ask for a \
+         rectified pair. `dense, fast, verged pair` is given the former all the same: hardly anything matches along rows there, \
+         so a coarse look narrows little. Times go from the images in memory to the field, for the vector pyramid with both banks \
+         over six scales.\n",
         report.command,
         report.date,
         report.machine.cpu,

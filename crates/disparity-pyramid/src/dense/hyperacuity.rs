@@ -247,3 +247,120 @@ fn residual<S: Simd>(
     store(simd, &mut agreements, 0, agreement);
     (steps, agreements)
 }
+
+#[cfg(test)]
+mod tests {
+    use v1_gabor::{GaborParams, Size};
+
+    use super::*;
+
+    /// The step and the coherence at one pixel, by the library's angle, number by number.
+    fn plainly(
+        banks: &[&FilterBank],
+        eyes: Binocular<&LumaImage>,
+        (x, y): (usize, usize),
+        dx: f32,
+    ) -> (f64, f64) {
+        let whole = dx.round();
+        let mut heard = Vec::new();
+        for bank in banks {
+            let responses = eyes.map(|eye| bank.respond(eye).unwrap());
+            let finest = responses.as_ref().map(|eye| &eye.scales()[0]);
+            let seen = x as f32 + whole;
+            let in_view = seen >= 0.0 && seen < bank.size().width as f32;
+            for (q, wave) in bank.params().wave_vectors().into_iter().enumerate() {
+                let own = finest.left.at(q, x, y);
+                let other = match in_view {
+                    true => finest.right.at(q, seen as usize, y),
+                    false => 0.0.into(),
+                };
+                let product = other * own.conj();
+                let modulus = f64::from(product.norm());
+                let phase = f64::from(product.arg()) + f64::from(wave.x * (dx - whole));
+                let turns = (phase / std::f64::consts::TAU).round();
+                let phase = phase - turns * std::f64::consts::TAU;
+                let energy = f64::from(own.norm_sqr() + other.norm_sqr());
+                let balance = 2.0 * modulus / energy.max(1e-30);
+                if phase.abs() <= std::f64::consts::FRAC_PI_2 {
+                    heard.push((modulus.sqrt() * balance * balance, f64::from(wave.x), phase));
+                }
+            }
+        }
+        let sum = |of: &dyn Fn(f64, f64, f64) -> f64| -> f64 {
+            heard
+                .iter()
+                .map(|(weight, wave, phase)| of(*weight, *wave, *phase))
+                .sum()
+        };
+        let step = -sum(&|weight, wave, phase| weight * wave * phase)
+            / sum(&|weight, wave, _| weight * wave * wave);
+        let agreement = sum(&|weight, wave, phase| weight * (phase + wave * step).cos())
+            / sum(&|weight, _, _| weight);
+        (step, agreement)
+    }
+
+    /// Side by side and one by one pixels move alike, all but those at a gate, where the last bit
+    /// of an angle decides.
+    #[test]
+    fn fast_and_plain_agree() {
+        let size = Size {
+            width: 45,
+            height: 12,
+        };
+        let see = |shift: f32| {
+            let luma = |(y, x): (usize, usize)| {
+                let (x, y) = (x as f32 + shift, y as f32);
+                0.5 + 0.1 * (1.3 * x).sin()
+                    + 0.1 * (1.1 * x + 0.9 * y).sin()
+                    + 0.1 * (0.7 * x - 1.2 * y).cos()
+            };
+            LumaImage::new(Array2::from_shape_fn(size.dim(), luma)).unwrap()
+        };
+        let (left, right) = (see(0.0), see(3.2));
+        let eyes = Binocular {
+            left: &left,
+            right: &right,
+        };
+        let bank = |orientations| {
+            let params = GaborParams {
+                orientations,
+                scales: 1,
+                ..GaborParams::default()
+            };
+            FilterBank::plan(params, size).unwrap()
+        };
+        let (four, eight) = (bank(4), bank(8));
+        for banks in [vec![&four], vec![&eight, &four]] {
+            // Guesses within half a pixel of the truth, and a hole that may not move.
+            let guess = |(y, x): (usize, usize)| -3.2 + 0.45 * ((7 * x + 13 * y) as f32).sin();
+            let before = Array2::from_shape_fn(size.dim(), guess);
+            let steady = Array2::from_shape_fn(size.dim(), |(_, x)| x % 7 != 0);
+            let ranges = Array2::from_shape_fn(size.dim(), |(y, _)| if y == 5 { 2.0 } else { 0.9 });
+            let mut dx = before.clone();
+            let coherence = sharpen(&mut dx, &banks, eyes, ranges.view(), steady.view()).unwrap();
+            let mut differing = 0;
+            for ((y, x), &found) in dx.indexed_iter() {
+                let own = before[[y, x]];
+                let (step, agreement) = plainly(&banks, eyes, (x, y), own);
+                let takes = steady[[y, x]]
+                    && ranges[[y, x]] < MOST_RANGE_PX
+                    && agreement > f64::from(LEAST_COHERENCE)
+                    && step.abs() < f64::from(MOST_STEP_PX);
+                let want = if takes {
+                    f64::from(own) + step
+                } else {
+                    f64::from(own)
+                };
+                let same = (f64::from(found) - want).abs() < 2e-3
+                    && (!agreement.is_finite()
+                        || (f64::from(coherence[[y, x]]) - agreement).abs() < 2e-3);
+                differing += usize::from(!same);
+            }
+            assert!(
+                differing * 100 <= size.area(),
+                "{differing} of {}",
+                size.area()
+            );
+        }
+    }
+}

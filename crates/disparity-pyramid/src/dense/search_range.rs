@@ -74,7 +74,7 @@ impl SearchRange {
     }
 
     /// The range that covers what a field of the vector pyramid sees: from the shift that one valid
-    /// pixel in 200 lies below to the one that as many lie above, and beyond by 4 px and a sixth of
+    /// pixel in 200 lies below to the one that as many lie above, and beyond by 6 px and a sixth of
     /// the span on either side. `None` if nothing is valid.
     ///
     /// A mismatch here and there does not widen it; a thing that covers less than one pixel in 200
@@ -82,7 +82,7 @@ impl SearchRange {
     #[must_use]
     pub fn covering(field: &DisparityField) -> Option<Self> {
         const OUTLIERS: usize = 200;
-        const MARGIN_PX: f32 = 4.0;
+        const MARGIN_PX: f32 = 6.0;
         const MARGIN_SPAN: f32 = 1.0 / 6.0;
         let valid = field.dx().into_iter().zip(field.validity());
         let mut valid: Vec<f32> = valid
