@@ -440,7 +440,7 @@ impl fmt::Display for ConfidenceRun {
              errors over bins of as many pixels each, twelve of one feature or eight by eight of two; some \
              scale a scene's errors by a number that the scene tells of itself. No feature of single pixels \
              makes scenes alike: what parts them is how hard a scene is as a whole. The curve is fitted without \
-             the scene it is tried on, but the kind of number was chosen among some twenty by these scenes, so \
+             the scene it is tried on, but the kind of number was chosen among some sixty-five by these scenes, so \
              the last row may be a little too good.\n\n{}",
             self.fit_table(),
             self.reliability_table(),

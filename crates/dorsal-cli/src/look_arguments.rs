@@ -19,8 +19,14 @@ pub(crate) struct LookArguments {
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
 
-    /// How disparity is estimated
-    #[arg(long, value_enum, default_value = "vector")]
+    /// How disparity is estimated; with --segment densely, if nothing is said, as a table before close eyes
+    /// slants too much for the vector pyramid
+    #[arg(
+        long,
+        value_enum,
+        default_value = "vector",
+        default_value_if("segment", "true", "dense")
+    )]
     pub(crate) estimator: Estimator,
 
     /// How the dense estimator works: best for measurement, fast for robots

@@ -304,7 +304,7 @@ fn two_different_pictures_draw_a_note() {
     assert!(pair.folder().join("out/look.json").is_file());
 }
 
-/// What stands on a table is found without labels, behind eyes that converge and with either estimator.
+/// What stands on a table is found without labels behind eyes that converge, densely if nothing is said.
 #[test]
 fn objects_are_found_without_labels() {
     let room = Room::demo();
@@ -336,12 +336,12 @@ fn objects_are_found_without_labels() {
         rig_toml::encode(&gaze.rig()).expect("a rig"),
     )
     .expect("a file");
-    for estimator in ["vector", "dense"] {
-        let out = path(estimator);
+    for words_of_estimator in [&["--preset", "fast"][..], &[]] {
+        let out = path(&format!("out-{}", words_of_estimator.len()));
         let mut words: Vec<std::ffi::OsString> = vec!["look".into()];
         words.extend(["left.png", "right.png"].map(|name| path(name).into()));
         words.extend(["--segment".into(), "--rig".into(), path("rig.toml").into()]);
-        words.extend(["--estimator".into(), estimator.into()]);
+        words.extend(words_of_estimator.iter().map(std::ffi::OsString::from));
         words.extend(["--out".into(), out.clone().into()]);
         let said = dorsal(words);
         assert_eq!(said.code, Some(0), "{}", said.err);
@@ -362,7 +362,7 @@ fn objects_are_found_without_labels() {
                 .expect("pixels");
             own += usize::from(*most.0 != 0);
         }
-        assert!(own >= 4, "{estimator}: {own}");
+        assert!(own >= 4, "{words_of_estimator:?}: {own}");
         let text = fs::read_to_string(out.join("scene.json")).expect("a scene");
         assert!(text.contains("\"object-1\""), "{text}");
         assert!(out.join("labels.png").is_file());

@@ -450,11 +450,11 @@ impl Scan {
     }
 }
 
-/// Whether an object is seen and not guessed: a third of its pixels agree on their depth, and these
+/// Whether an object is seen and not guessed: an eighth of its pixels agree on their depth, and these
 /// spread by no more than the object is wide. What is too near for the search matches by chance, and
-/// such matches lie all over the place.
+/// such matches lie all over the place. How many are missing counts in [`widened`].
 fn is_seen(seen: &Observation, object: &LocatedObject) -> bool {
-    3 * object.agreeing_pixels >= object.pixels
+    8 * object.agreeing_pixels >= object.pixels
         && object.spread_m <= 2.0 * f64::from(seen.radius_mm) / 1e3
 }
 

@@ -18,12 +18,12 @@ impl Footprint {
 
     /// Whether a point lies within, or outside by no more than `margin`.
     pub(crate) fn holds(&self, point: [f64; 2], margin: f64) -> bool {
-        let next = self.corners.iter().cycle().skip(1);
-        self.corners.len() >= 3
-            && self.corners.iter().zip(next).all(|(from, to)| {
-                let length = (to[0] - from[0]).hypot(to[1] - from[1]);
-                turn(*from, *to, point) >= -margin * length
-            })
+        if self.corners.len() < 3 {
+            return false;
+        }
+        let edges = || self.corners.iter().zip(self.corners.iter().cycle().skip(1));
+        edges().all(|(from, to)| turn(*from, *to, point) >= 0.0)
+            || edges().any(|(from, to)| distance(*from, *to, point) <= margin)
     }
 }
 
@@ -40,6 +40,21 @@ fn chain<'a>(points: impl Iterator<Item = &'a [f64; 2]>) -> Vec<[f64; 2]> {
     }
     chain.pop();
     chain
+}
+
+/// How far a point is from the line between two corners.
+fn distance(from: [f64; 2], to: [f64; 2], point: [f64; 2]) -> f64 {
+    let (along, aside) = (
+        [to[0] - from[0], to[1] - from[1]],
+        [point[0] - from[0], point[1] - from[1]],
+    );
+    let square = along[0] * along[0] + along[1] * along[1];
+    let part = if square > 0.0 {
+        ((along[0] * aside[0] + along[1] * aside[1]) / square).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    (aside[0] - part * along[0]).hypot(aside[1] - part * along[1])
 }
 
 /// Twice the area of the triangle; positive if it goes counterclockwise.
@@ -78,6 +93,8 @@ mod tests {
         ]);
         assert_eq!(square.corners.len(), 4);
         assert!(square.holds([1.05, 0.5], 0.1) && !square.holds([1.15, 0.5], 0.1));
+        // Beyond a corner it is the distance to the corner that counts.
+        assert!(!square.holds([1.08, 1.08], 0.1));
         assert!(!Footprint::about(Vec::new()).holds([0.0, 0.0], 1.0));
     }
 }
