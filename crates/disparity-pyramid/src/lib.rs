@@ -72,6 +72,7 @@ mod match_workspace;
 mod median;
 mod median_network;
 mod most_consistent;
+mod object_params;
 #[cfg(target_arch = "x86_64")]
 mod pair_read;
 mod phase;

@@ -121,7 +121,7 @@ fn plan(scene: &DemoScene) -> anyhow::Result<Plan> {
         matching: MatchParams {
             // A tenth of a pixel is as fine as anyone repeats by hand.
             zero_disparity_px: ((10.0 * search.zero_disparity_px).round() as f32 / 10.0, 0.0),
-            ..MatchParams::default()
+            ..MatchParams::for_objects()
         },
         rig: Some(scene.rig),
         recalibrate: false,

@@ -135,6 +135,8 @@ fn plan(arguments: &LookArguments, size: Size) -> anyhow::Result<Plan> {
     let gabor = GaborParams { scales, ..gabor };
     let steps = if arguments.published {
         MatchParams::as_published()
+    } else if arguments.labels.is_some() || arguments.segment {
+        MatchParams::for_objects()
     } else {
         MatchParams::default()
     };

@@ -64,7 +64,7 @@ pub(crate) struct LookArguments {
     pub(crate) recalibrate: bool,
 
     /// The objects in the left image: a PNG whose samples are labels, or a TOML of outlines;
-    /// needs --rig
+    /// needs --rig. The vector pyramid then gives more pixels, each a little less sure
     #[arg(long, value_name = "LABELS", requires = "rig")]
     pub(crate) labels: Option<PathBuf>,
 

@@ -339,13 +339,7 @@ impl Scan {
         let eyes = shown.pictures.as_ref().try_map(luma)?;
         let responses = eyes.as_ref().try_map(|eye| self.bank.respond(eye));
         let responses = responses.map_err(Error::from)?;
-        // A thing of which an eighth is seen is known of, and how far its pixels spread is told apart: so
-        // more of them are heard than where each one is to be right.
-        let matching = MatchParams {
-            least_coherence: 0.75,
-            fill_neighbours: Some(10),
-            ..MatchParams::default()
-        };
+        let matching = MatchParams::for_objects();
         let found = Range::Given.disparity(&responses, matching);
         let disparity = found.map_err(Error::from)?.field;
 

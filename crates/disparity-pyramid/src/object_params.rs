@@ -1,0 +1,18 @@
+use crate::MatchParams;
+
+impl MatchParams {
+    /// Parameters for who asks about objects: more pixels are heard, each a little less sure.
+    ///
+    /// Which pixels a field leaves out is no accident: of a thing that slants it is the part that slants
+    /// most, so that the middle of the rest lies aside of the thing's. A median over an object does not
+    /// mind a few wrong pixels, but it minds that. The book of `dorsal demo`, which lies flat, comes out
+    /// 1.2 cm too near so, and 2.1 cm with the default.
+    #[must_use]
+    pub fn for_objects() -> Self {
+        Self {
+            least_coherence: 0.7,
+            fill_neighbours: Some(10),
+            ..Self::default()
+        }
+    }
+}
