@@ -1,3 +1,5 @@
+use std::collections::BTreeSet;
+
 use ndarray::{Array2, ArrayView2, Zip, s};
 use v1_gabor::Size;
 
@@ -125,7 +127,7 @@ pub fn segment(
     // A region that is too small by itself may still be a part of its neighbour.
     let regions = only_large(regions, least / 2.0);
     let regions = grow(regions, &ground, &joints, params.reach_px);
-    let regions = only_large(regions, least);
+    let regions = only_narrow(only_large(regions, least));
     Ok(Segmentation {
         labels: LabelImage::new(from_left_to_right(&regions)),
         support,
@@ -221,6 +223,21 @@ fn only_large(mut regions: Array2<u32>, least: f64) -> Array2<u32> {
     let sizes = sizes(&regions);
     regions.mapv_inplace(|region| {
         if f64::from(sizes[region as usize]) < least {
+            0
+        } else {
+            region
+        }
+    });
+    regions
+}
+
+/// Regions that do not reach from one side of the picture to the other, the others given up: what does is no
+/// thing on the table but what ends the view behind it, such as the foot of a wall.
+fn only_narrow(mut regions: Array2<u32>) -> Array2<u32> {
+    let sides = [regions.column(0), regions.column(regions.ncols() - 1)];
+    let [left, right] = sides.map(|side| side.iter().copied().collect::<BTreeSet<u32>>());
+    regions.mapv_inplace(|region| {
+        if left.contains(&region) && right.contains(&region) {
             0
         } else {
             region
