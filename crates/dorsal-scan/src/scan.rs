@@ -453,8 +453,8 @@ impl Scan {
 
 /// Whether an object is seen and not guessed: a third of its pixels agree on their depth, and these
 /// spread by no more than the object is wide. What is too near for the search matches by chance, and
-/// such matches lie all over the place: with an eighth, 30 of 374 things in fifty rooms were believed more
-/// than 10 cm from where they are. How many are missing counts in [`widened`].
+/// such matches lie all over the place: with an eighth, and a coherence of 0.7, 30 of 374 things in fifty
+/// rooms were believed more than 10 cm from where they are. How many are missing counts in [`widened`].
 fn is_seen(seen: &Observation, object: &LocatedObject) -> bool {
     3 * object.agreeing_pixels >= object.pixels
         && object.spread_m <= 2.0 * f64::from(seen.radius_mm) / 1e3
