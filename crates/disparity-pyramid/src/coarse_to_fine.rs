@@ -28,17 +28,22 @@ pub(crate) fn coarse_to_fine(
         let shifts = &mut level.shifts;
         if let Some(coarser) = coarser.first() {
             // Every second pixel of a scale is a pixel of the next coarser one.
-            let finer = if grids[scale].step > grids[scale + 1].step {
-                double_into
-            } else {
-                expand_into
-            };
+            let step = grids[scale + 1].step;
+            let same_grid = grids[scale].step > step;
+            let finer = if same_grid { double_into } else { expand_into };
             finer(coarser.shifts.dx.view(), &mut shifts.dx);
             finer(coarser.shifts.dy.view(), &mut shifts.dy);
+            if params.slants && scale == 0 {
+                let planes = (&coarser.shifts.dx, &coarser.shifts.dy);
+                shifts.slopes.measure(planes, step, u32::from(!same_grid));
+            } else {
+                shifts.slopes.clear();
+            }
         } else {
             let shrink = 0.5f32.powi(coarsest as i32);
             shifts.dx.fill(start_px.0 * shrink);
             shifts.dy.fill(start_px.1 * shrink);
+            shifts.slopes.clear();
         }
         let warps = if scale == 0 {
             params.finest_warps

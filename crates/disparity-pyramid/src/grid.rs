@@ -14,14 +14,8 @@ pub(crate) struct Grid {
 impl Grid {
     /// Those of every scale, whose sizes are given.
     pub(crate) fn of_scales(sizes: impl Iterator<Item = Size>, params: &MatchParams) -> Vec<Self> {
-        // Slopes that stretch filters are taken from pixel to pixel.
-        let sparse = if params.slants {
-            0
-        } else {
-            params.sparse_scales
-        };
         let grid = |(scale, size): (usize, Size)| {
-            if scale < sparse {
+            if scale < params.sparse_scales {
                 let size = size.halved();
                 Self { size, step: 2 }
             } else {

@@ -1,7 +1,8 @@
 use pulp::Simd;
 use pulp::x86::V4;
 
-use crate::tile::{Along, Products, Reader, TILE, Tile};
+use crate::slopes::TileSlopes;
+use crate::tile::{Along, Products, Reader, TILE, Tile, TileShifts};
 use crate::vector::{store, vector};
 use crate::warp::Warp;
 
@@ -104,6 +105,9 @@ struct Carrier {
     sin: [Vector; 3],
     wave_x: Vector,
     wave_y: Vector,
+    /// The wave vectors times the square of the envelope, and after them their negatives.
+    grow_x: Vector,
+    grow_y: Vector,
 }
 
 impl Carrier {
@@ -118,6 +122,7 @@ impl Carrier {
             vector(v4, &both, 0)
         };
         let turns = &warp.carriers.turns;
+        let sigma_squared = v4.splat_f32s(warp.carriers.sigma_squared);
         Self {
             cos: [
                 twice(&turns[0].cos, 1.0),
@@ -131,6 +136,8 @@ impl Carrier {
             ],
             wave_x: twice(&warp.carriers.wave_x, 1.0),
             wave_y: twice(&warp.carriers.wave_y, 1.0),
+            grow_x: v4.mul_f32s(sigma_squared, twice(&warp.carriers.wave_x, -1.0)),
+            grow_y: v4.mul_f32s(sigma_squared, twice(&warp.carriers.wave_y, -1.0)),
         }
     }
 
@@ -159,6 +166,65 @@ impl Carrier {
         let crossed = avx512._mm512_shuffle_f32x4::<0b01_00_11_10>(crossing, crossing);
         v4.add_f32s(sum, pulp::cast(crossed))
     }
+
+    /// The same, of filters that are stretched by the slope there, as [`Warp::read_stretched`] gives
+    /// them.
+    #[inline(always)]
+    fn read_stretched(
+        &self,
+        v4: V4,
+        right: &[[f32; PARTS]],
+        (places, slopes): (&Places, &TileSlopes),
+        i: usize,
+    ) -> Vector {
+        let corner = places.corner[i];
+        let below = corner.wrapping_add(places.below[i]);
+        let to_right = places.right[i];
+        let neighbours = [
+            &right[corner as usize],
+            &right[(corner + to_right) as usize],
+            &right[below as usize],
+            &right[(below + to_right) as usize],
+        ];
+        let grow = |along_x: f32, along_y: f32| {
+            let along_y = v4.mul_f32s(self.grow_y, v4.splat_f32s(along_y));
+            v4.mul_add_e_f32s(self.grow_x, v4.splat_f32s(along_x), along_y)
+        };
+        let [xx, xy, yx, yy] = slopes.0;
+        let (grow_x, grow_y) = (grow(xx[i], yx[i]), grow(xy[i], yy[i]));
+        let (fx, fy) = (places.beyond_x[i], places.beyond_y[i]);
+        let weights = [
+            (fy - 1.0, fx - 1.0),
+            (1.0 - fy, -fx),
+            (-fy, 1.0 - fx),
+            (fy, fx),
+        ];
+        let mut sum = v4.splat_f32s(0.0);
+        let mut crossing = v4.splat_f32s(0.0);
+        for n in 0..4 {
+            let part = vector(v4, neighbours[n], 0);
+            let share = v4.splat_f32s(places.shares[n][i]);
+            let (along_x, along_y) = weights[n];
+            let along_x = v4.mul_f32s(grow_x, v4.splat_f32s(along_x));
+            // A quarter turn on, so that what is even here counts for the odd parts.
+            let rise = v4.mul_add_e_f32s(grow_y, v4.splat_f32s(along_y), along_x);
+            if n == 0 {
+                sum = v4.mul_f32s(share, part);
+                crossing = v4.mul_f32s(rise, part);
+                continue;
+            }
+            let (cos, sin) = (self.cos[n - 1], self.sin[n - 1]);
+            // `(share + j rise) (cos + j sin)`, the rise and the sine with their signs.
+            let straight = v4.negate_mul_add_e_f32s(rise, sin, v4.mul_f32s(share, cos));
+            let across = v4.mul_add_e_f32s(rise, cos, v4.mul_f32s(share, sin));
+            sum = v4.mul_add_e_f32s(part, straight, sum);
+            crossing = v4.mul_add_e_f32s(part, across, crossing);
+        }
+        let avx512 = v4.avx512f;
+        let crossing = pulp::cast(crossing);
+        let crossed = avx512._mm512_shuffle_f32x4::<0b01_00_11_10>(crossing, crossing);
+        v4.add_f32s(sum, pulp::cast(crossed))
+    }
 }
 
 impl Reader for ByPair {
@@ -175,7 +241,7 @@ impl Reader for ByPair {
         tile: &mut Tile,
         (left, warp): (&[f32], &Warp<'_>),
         at: Along,
-        shifts: (&[f32; TILE], &[f32; TILE]),
+        (shifts, slopes): (TileShifts<'_>, Option<&TileSlopes>),
         threshold: f32,
     ) {
         let Self(v4) = self;
@@ -198,10 +264,16 @@ impl Reader for ByPair {
                     vector(v4, &left[(i * at.step).min(last)], 0),
                     vector(v4, &left[((i + HALF) * at.step).min(last)], 0),
                 );
-                let right = (
-                    carrier.read(v4, right, &places, i),
-                    carrier.read(v4, right, &places, i + HALF),
-                );
+                let right = match slopes {
+                    None => (
+                        carrier.read(v4, right, &places, i),
+                        carrier.read(v4, right, &places, i + HALF),
+                    ),
+                    Some(slopes) => (
+                        carrier.read_stretched(v4, right, (&places, slopes), i),
+                        carrier.read_stretched(v4, right, (&places, slopes), i + HALF),
+                    ),
+                };
                 let (left, right) = (by_part(v4, left), by_part(v4, right));
                 *products = Products::new(v4, left, right);
             }
@@ -291,7 +363,7 @@ mod tests {
         left: &'a [f32],
         warp: &'a Warp<'a>,
         at: Along,
-        shifts: (&'a [f32; TILE], &'a [f32; TILE]),
+        shifts: (TileShifts<'a>, Option<&'a TileSlopes>),
     }
 
     impl<R: Reader> NullaryFnOnce for Read<'_, R> {
@@ -316,6 +388,7 @@ mod tests {
         fn pairs_read_what_single_pixels_do(
             start in 0usize..3, step in 1usize..3, y in 0usize..20, seed: u64,
             dx in prop::array::uniform32(-30.0f32..30.0), dy in prop::array::uniform32(-5.0f32..5.0),
+            slopes in prop::array::uniform4(prop::array::uniform32(-0.3f32..0.3)), slants: bool,
         ) {
             let Some(v4) = V4::try_new() else {
                 return Ok(());
@@ -332,7 +405,7 @@ mod tests {
                 bank.respond(&LumaImage::new(plane).unwrap()).unwrap()
             };
             let (left, right) = (see(), see());
-            let carriers = Carriers::new(&params.wave_vectors());
+            let carriers = Carriers::new(&params.wave_vectors(), params.sigma_px());
             let warp = Warp::new(&right.scales()[0], &carriers);
             let start = start * TILE;
             let mut dx = dx;
@@ -345,7 +418,8 @@ mod tests {
                 }
             }
             let left = &left.scales()[0].samples()[(y * size.width + start) * PARTS..];
-            let shifts = (&dx, &dy);
+            let slopes = TileSlopes(slopes);
+            let shifts = ((&dx, &dy), slants.then_some(&slopes));
             let (warp, at) = (&warp, Along { x: start, y, step });
             let pairs = v4.vectorize(Read { reader: ByPair(v4), left, warp, at, shifts });
             let reader = ByPixel::<8, _>(Scalar, 8);

@@ -7,8 +7,8 @@ use v1_gabor::{Responses, WaveVector};
 use crate::pair_read::ByPair;
 use crate::shift_covariance::FitCovariance;
 use crate::shifts::Shifts;
-use crate::stretch::Stretch;
-use crate::tile::{Along, ByPixel, MOST_ORIENTATIONS, Reader, TILE, Tile, whole};
+use crate::slopes::Slopes;
+use crate::tile::{Along, ByPixel, Reader, TILE, Tile, whole};
 use crate::warp::{Carriers, Warp};
 use crate::{MatchParams, Validity};
 
@@ -32,11 +32,8 @@ pub(crate) fn refine(
     params: &MatchParams,
 ) {
     const CONTIGUOUS: &str = "planes are made in row-major order";
-    let carriers = Carriers::new(eyes.waves);
+    let carriers = Carriers::new(eyes.waves, eyes.left.params().sigma_px());
     let warp = Warp::new(eyes.right, &carriers);
-    let stretch = params
-        .slants
-        .then(|| Stretch::new(eyes.left, &shifts.dx, &shifts.dy));
     let width = shifts.dx.dim().1;
     let dx = shifts
         .dx
@@ -64,8 +61,8 @@ pub(crate) fn refine(
         covariance: shifts.covariance.is_some(),
         ..*params
     };
-    let room = || (Tile::new(), [0.0; TILE * 2 * MOST_ORIENTATIONS]);
-    let run = |(tile, stretched): &mut (Tile, [f32; _]), y, planes, covariance| {
+    let slopes = &shifts.slopes;
+    let run = |tile: &mut Tile, y, planes, covariance| {
         let (dx, dy, validity, residual) = planes;
         let parts = eyes.left.size().width * 2 * eyes.waves.len();
         let row = Row {
@@ -82,20 +79,19 @@ pub(crate) fn refine(
             residual,
             covariance,
             parent_dy: parent_of(y),
-            stretch: stretch.as_ref(),
-            stretched,
+            slopes,
         };
         row.dispatch();
     };
     let rows = (dx, dy, validity, residual).into_par_iter().enumerate();
     match &mut shifts.covariance {
-        None => rows.for_each_init(room, |room, (y, planes)| run(room, y, planes, None)),
+        None => rows.for_each_init(Tile::new, |tile, (y, planes)| run(tile, y, planes, None)),
         Some(plane) => {
             let plane = plane.as_slice_mut().expect(CONTIGUOUS);
             rows.zip(plane.par_chunks_mut(width)).for_each_init(
-                room,
-                |room, ((y, planes), covariance)| {
-                    run(room, y, planes, Some(covariance));
+                Tile::new,
+                |tile, ((y, planes), covariance)| {
+                    run(tile, y, planes, Some(covariance));
                 },
             );
         }
@@ -121,9 +117,8 @@ pub(crate) struct Row<'a> {
     pub(crate) covariance: Option<&'a mut [FitCovariance]>,
     /// The coarser scale's vertical shifts, if they are not the present ones.
     pub(crate) parent_dy: Option<&'a [f32]>,
-    pub(crate) stretch: Option<&'a Stretch<'a>>,
-    /// Room for a tile's left responses, stretched.
-    pub(crate) stretched: &'a mut [f32],
+    /// How far the filters are stretched.
+    pub(crate) slopes: &'a Slopes,
 }
 
 impl Row<'_> {
@@ -170,8 +165,7 @@ impl<R: Reader> NullaryFnOnce for Compiled<'_, R> {
             residual,
             mut covariance,
             parent_dy,
-            stretch,
-            stretched,
+            slopes,
         } = self.0;
         let reader = self.1;
         let parts = 2 * waves.len();
@@ -184,16 +178,10 @@ impl<R: Reader> NullaryFnOnce for Compiled<'_, R> {
                 y,
                 step,
             };
-            let pixels = end - start;
-            let left = match stretch {
-                Some(stretch)
-                    if stretch.respond(reader.simd(), stretched, warp, (at.x, y), pixels) =>
-                {
-                    &*stretched
-                }
-                _ => &left[at.x * parts..],
-            };
-            reader.read(tile, (left, warp), at, shifts, params.energy_threshold);
+            let left = &left[at.x * parts..];
+            let slopes = slopes.of_tile(at);
+            let (slopes, threshold) = (slopes.as_ref(), params.energy_threshold);
+            reader.read(tile, (left, warp), at, (shifts, slopes), threshold);
             let parent_dy =
                 parent_dy.map_or(*shifts.1, |parent_dy| whole(&parent_dy[here.clone()]));
             let fit = tile.fit(reader.simd(), waves, (&parent_dy, shifts.1), params);

@@ -6,6 +6,7 @@ use v1_gabor::{Binocular, FilterBank, LumaImage, RowWorkspace, Size, WaveVector}
 use crate::refine::Row;
 use crate::shift_covariance::FitCovariance;
 use crate::shifts::Shifts;
+use crate::slopes::Slopes;
 use crate::tile::Tile;
 use crate::warp::{Carriers, Warp};
 use crate::{MatchParams, Validity};
@@ -42,6 +43,7 @@ struct Planes<'a> {
     validity: &'a mut [Validity],
     residual: &'a mut [f32],
     covariance: Option<&'a mut [FitCovariance]>,
+    slopes: &'a Slopes,
 }
 
 /// One warp at the finest scale, as [`refine`](crate::refine::refine) makes it and with the same bits,
@@ -57,7 +59,7 @@ pub(crate) fn refine_rows(
     let (height, width) = shifts.dx.dim();
     bands.resize_with(rayon::current_num_threads(), Band::new);
     let rows = height.div_ceil(bands.len());
-    let carriers = Carriers::new(eyes.waves);
+    let carriers = Carriers::new(eyes.waves, eyes.bank.params().sigma_px());
     let params = &MatchParams {
         covariance: shifts.covariance.is_some(),
         ..*params
@@ -68,6 +70,7 @@ pub(crate) fn refine_rows(
         numbers(&mut shifts.dy).par_chunks_mut(rows * width),
         numbers(&mut shifts.residual).par_chunks_mut(rows * width),
     );
+    let slopes = &shifts.slopes;
     let validity = shifts.validity.as_slice_mut().expect(CONTIGUOUS);
     let bands = planes
         .into_par_iter()
@@ -86,6 +89,7 @@ pub(crate) fn refine_rows(
                 validity,
                 residual,
                 covariance,
+                slopes,
             };
             walk(number, band, planes);
         }),
@@ -100,6 +104,7 @@ pub(crate) fn refine_rows(
                     validity,
                     residual,
                     covariance,
+                    slopes,
                 };
                 walk(number, band, planes);
             });
@@ -179,8 +184,7 @@ impl Band {
                 residual,
                 covariance: fits.as_mut().and_then(Iterator::next),
                 parent_dy: None,
-                stretch: None,
-                stretched: &mut [],
+                slopes: planes.slopes,
             };
             row.dispatch();
         }

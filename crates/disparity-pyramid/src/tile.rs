@@ -5,6 +5,7 @@ use v1_gabor::{Size, WaveVector};
 use crate::phase::{quick_angle, wrap};
 use crate::robust_fit::{Fit, robust_fit};
 use crate::rough::Rough;
+use crate::slopes::TileSlopes;
 use crate::vector::{store, vector};
 use crate::warp::{Place, Warp};
 use crate::{MatchParams, Validity};
@@ -50,6 +51,9 @@ impl Along {
     }
 }
 
+/// The shifts of a tile's pixels, by component.
+pub(crate) type TileShifts<'a> = (&'a [f32; TILE], &'a [f32; TILE]);
+
 /// A way to read both eyes' responses for the pixels of a tile, in vectors of one kind.
 pub(crate) trait Reader: Copy {
     /// The vectors, which the fit works in too.
@@ -58,13 +62,14 @@ pub(crate) trait Reader: Copy {
     fn simd(self) -> Self::Simd;
 
     /// Reads both eyes' responses for each pixel: the left eye's in place, `left` holding them from
-    /// the tile's first pixel on, the right eye's at the present shifts.
+    /// the tile's first pixel on, the right eye's at the present shifts, by filters that are stretched by
+    /// the slopes.
     fn read(
         self,
         tile: &mut Tile,
         eyes: (&[f32], &Warp<'_>),
         at: Along,
-        shifts: (&[f32; TILE], &[f32; TILE]),
+        shifts: (TileShifts<'_>, Option<&TileSlopes>),
         threshold: f32,
     );
 }
@@ -184,7 +189,7 @@ impl<const ORIENTATIONS: usize, S: Rough + Machine<SQUARE>> Reader for ByPixel<O
         tile: &mut Tile,
         (left, warp): (&[f32], &Warp<'_>),
         at: Along,
-        (dx, dy): (&[f32; TILE], &[f32; TILE]),
+        ((dx, dy), slopes): (TileShifts<'_>, Option<&TileSlopes>),
         threshold: f32,
     ) {
         let Self(simd, orientations) = self;
@@ -204,12 +209,13 @@ impl<const ORIENTATIONS: usize, S: Rough + Machine<SQUARE>> Reader for ByPixel<O
                     if let Some(place) = places[first + i] {
                         let left = &left[(first + i) * at.step * parts..][..parts];
                         let pixel = &mut pixels[i];
+                        let slope = slopes.map(|slopes| slopes.0.map(|slope| slope[first + i]));
                         read_pixel::<ORIENTATIONS, S>(
                             simd,
                             left,
                             warp,
                             (orientations, group),
-                            place,
+                            (place, slope),
                             threshold,
                             pixel,
                         );
@@ -249,7 +255,7 @@ fn read_pixel<const ORIENTATIONS: usize, S: Rough>(
     left: &[f32],
     warp: &Warp<'_>,
     (orientations, group): (usize, usize),
-    place: Place,
+    (place, slope): (Place, Option<[f32; 4]>),
     threshold: f32,
     pixel: &mut Pixel,
 ) {
@@ -265,7 +271,10 @@ fn read_pixel<const ORIENTATIONS: usize, S: Rough>(
             load.parts(simd, around[2]),
             load.parts(simd, around[3]),
         ];
-        let (re, ro) = warp.read(simd, place, q, parts);
+        let (re, ro) = match slope {
+            None => warp.read(simd, place, q, parts),
+            Some(slope) => warp.read_stretched(simd, place, q, parts, slope),
+        };
         let turn = warp.turn(simd, place, q);
         let products = Products::new(simd, (le, lo), (re, ro));
         let (phase, weight) = products.phase_and_weight(simd, turn, threshold);

@@ -54,8 +54,7 @@ impl VectorMatcher {
     /// Plans a matcher for images of the bank's size.
     ///
     /// Where the finest responses are needed more than once they are held after all: with more than one
-    /// warp at the finest scale or a look back there, with [`MatchParams::slants`] or
-    /// [`MatchParams::singularity_tau`], with one scale only, and with filters that have no pass over
+    /// warp at the finest scale or a look back there, with [`MatchParams::singularity_tau`], with one scale only, and with filters that have no pass over
     /// single rows.
     ///
     /// # Errors
@@ -65,7 +64,6 @@ impl VectorMatcher {
         let looks_back_there = params.left_right_px.is_some() && params.look_back_scale == 0;
         let once = params.finest_warps == 1
             && !looks_back_there
-            && !params.slants
             && params.singularity_tau.is_none()
             && bank.answers_by_rows();
         let coarser = bank.coarser().filter(|_| once);

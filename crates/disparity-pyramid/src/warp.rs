@@ -33,6 +33,8 @@ pub(crate) struct Carriers {
     pub(crate) wave_y: Lanes,
     /// `exp(-j k_q.offset)` of the neighbours to the right, below, and both.
     pub(crate) turns: [Turns; 3],
+    /// The square of the filters' envelope, in pixels squared.
+    pub(crate) sigma_squared: f32,
 }
 
 /// One number for each orientation, and zeros beyond the last.
@@ -56,7 +58,7 @@ pub(crate) struct Place {
 }
 
 impl Carriers {
-    pub(crate) fn new(waves: &[WaveVector]) -> Self {
+    pub(crate) fn new(waves: &[WaveVector], sigma_px: f32) -> Self {
         let by_orientation = |number: &dyn Fn(&WaveVector) -> f32| {
             let mut numbers = [0.0; MOST_ORIENTATIONS];
             for (out, wave) in numbers.iter_mut().zip(waves) {
@@ -72,6 +74,7 @@ impl Carriers {
             wave_x: by_orientation(&|k| k.x),
             wave_y: by_orientation(&|k| k.y),
             turns,
+            sigma_squared: sigma_px * sigma_px,
         }
     }
 }
@@ -150,6 +153,60 @@ impl<'a> Warp<'a> {
         (even, odd)
     }
 
+    /// The same, of filters that are stretched by a slope (see [`Slopes`](crate::slopes::Slopes)).
+    #[inline(always)]
+    pub(crate) fn read_stretched<S: Simd>(
+        &self,
+        simd: S,
+        place: Place,
+        q: usize,
+        parts: [(S::f32s, S::f32s); 4],
+        [xx, xy, yx, yy]: [f32; 4],
+    ) -> (S::f32s, S::f32s) {
+        let (even, odd) = self.read(simd, place, q, parts);
+        let (fx, fy) = (place.beyond_x, place.beyond_y);
+        let (wave_x, wave_y) = (
+            vector(simd, &self.carriers.wave_x, q),
+            vector(simd, &self.carriers.wave_y, q),
+        );
+        // `sigma^2 sum_i A_ij k_i`, for `j` being x and y.
+        let grow = |along_x: f32, along_y: f32| {
+            let along_x = simd.splat_f32s(self.carriers.sigma_squared * along_x);
+            let along_y = simd.splat_f32s(self.carriers.sigma_squared * along_y);
+            simd.mul_add_e_f32s(along_x, wave_x, simd.mul_f32s(along_y, wave_y))
+        };
+        let (grow_x, grow_y) = (grow(xx, yx), grow(xy, yy));
+        // Times the slopes of the interpolation's weights.
+        let weights = [
+            (fy - 1.0, fx - 1.0),
+            (1.0 - fy, -fx),
+            (-fy, 1.0 - fx),
+            (fy, fx),
+        ];
+        let (mut rise_even, mut rise_odd) = (simd.splat_f32s(0.0), simd.splat_f32s(0.0));
+        for i in 0..4 {
+            let (along_x, along_y) = weights[i];
+            let along_x = simd.mul_f32s(grow_x, simd.splat_f32s(along_x));
+            let weight = simd.mul_add_e_f32s(grow_y, simd.splat_f32s(along_y), along_x);
+            let (re, im) = parts[i];
+            let (re, im) = (simd.mul_f32s(weight, re), simd.mul_f32s(weight, im));
+            if i == 0 {
+                (rise_even, rise_odd) = (re, im);
+                continue;
+            }
+            let cos = vector(simd, &self.carriers.turns[i - 1].cos, q);
+            let sin = vector(simd, &self.carriers.turns[i - 1].sin, q);
+            rise_even = simd.mul_add_e_f32s(re, cos, rise_even);
+            rise_even = simd.mul_add_e_f32s(im, simd.neg_f32s(sin), rise_even);
+            rise_odd = simd.mul_add_e_f32s(re, sin, rise_odd);
+            rise_odd = simd.mul_add_e_f32s(im, cos, rise_odd);
+        }
+        (
+            simd.sub_f32s(even, rise_odd),
+            simd.add_f32s(odd, rise_even),
+        )
+    }
+
     /// The turn `k_q.beyond` that [`read`](Self::read) leaves out, in radians, for the orientations
     /// from `q` on that a vector holds.
     #[inline(always)]
@@ -206,7 +263,7 @@ mod tests {
             };
             let still = draw((0.0, 0.0));
             let moved = draw((fx, fy));
-            let carriers = Carriers::new(&waves);
+            let carriers = Carriers::new(&waves, params.sigma_px());
             let warp = Warp::new(&still.scales()[0], &carriers);
             let place = warp.place(19.0 + fx, 21.0 + fy).unwrap();
             let read = read(&warp, place, q);
@@ -231,7 +288,7 @@ mod tests {
         .unwrap();
         let image = LumaImage::new(Array2::from_elem(size.dim(), 0.3)).unwrap();
         let responses = bank.respond(&image).unwrap();
-        let carriers = Carriers::new(&bank.params().wave_vectors());
+        let carriers = Carriers::new(&bank.params().wave_vectors(), bank.params().sigma_px());
         let warp = Warp::new(&responses.scales()[0], &carriers);
         assert!(warp.place(0.0, 0.0).is_some() && warp.place(11.0, 8.0).is_some());
         for (x, y) in [
