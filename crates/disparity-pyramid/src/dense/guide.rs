@@ -84,9 +84,11 @@ impl Guide {
 
     /// How far two pixels' colours lie apart, in steps of 8 bits: the mean over the channels, which
     /// the noise of one does not carry.
-    #[inline(always)]
+    #[cfg(test)]
     pub(crate) fn step(&self, one: usize, other: usize) -> u8 {
-        step(&self.channels, one, other)
+        let step = |plane: &Vec<u8>| u16::from(plane[one].abs_diff(plane[other]));
+        let sum: u16 = self.channels.iter().map(step).sum();
+        (sum / self.channels.len() as u16) as u8
     }
 
     /// The steps from each pixel of a row to the next one.
@@ -121,15 +123,5 @@ fn steps(channels: &[Vec<u8>], further: usize) -> Vec<u8> {
                 .collect()
         }
         _ => Vec::new(),
-    }
-}
-
-#[inline(always)]
-fn step(channels: &[Vec<u8>], one: usize, other: usize) -> u8 {
-    let step = |plane: &Vec<u8>| u16::from(plane[one].abs_diff(plane[other]));
-    match channels {
-        [grey] => step(grey) as u8,
-        [red, green, blue] => ((step(red) + step(green) + step(blue)) / 3) as u8,
-        _ => 0,
     }
 }
