@@ -122,7 +122,7 @@ const ALONG_ROWS: [&str; 3] = ["SGBM", "3WAY", "BM"];
 
 /// Distance of the parallel eyes at a width of 1024 pixels, in metres: the room's things then lie
 /// within the [`SHIFTS`] that are searched. At other widths the eyes move, and the shifts stay.
-const PARALLEL_BASELINE_M: f64 = 0.16;
+const PARALLEL_BASELINE_M: f64 = 0.065;
 
 /// Runs the task.
 pub(crate) fn run(options: &Options) -> anyhow::Result<()> {

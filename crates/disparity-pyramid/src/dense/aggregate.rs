@@ -1,3 +1,5 @@
+use std::ops::Range;
+
 use ndarray::{Array2, ArrayViewMut1, ArrayViewMut2, Axis, s};
 use rayon::prelude::*;
 
@@ -6,14 +8,14 @@ use crate::dense::guide::Guide;
 use crate::dense::padding::Padding;
 use crate::dense::path_step::{moved, path_step};
 use crate::dense::pixel_cost::{LANES, PixelCost, RowCost};
-use crate::dense::search_windows::{RowWindows, SearchWindows, Window};
+use crate::dense::search_windows::{RowWindows, SearchWindows, TILE, Tile, Window};
 use crate::dense::step_penalty::StepPenalty;
 use crate::dense::wide::{Wide, WideWork, widest};
 use crate::dense::winner::{NO_SHIFT, winner};
 
 /// Rows whose paths one thread walks side by side: a path along a row waits for its last pixel, and
 /// another row's has nothing to do with it.
-const ROWS_A_JOB: usize = 2;
+const ROWS_A_JOB: usize = 4;
 
 /// What aggregation is made over.
 #[derive(Debug)]
@@ -65,50 +67,29 @@ pub(crate) fn aggregate<C: PixelCost>(
     other: bool,
 ) -> Winners {
     let (width, height) = (ground.guide.width(), ground.guide.height());
-    let places = ground.windows.most_places();
     let threads = rayon::current_num_threads();
     let band = (ROWS_A_JOB * threads).min(height.next_multiple_of(ROWS_A_JOB));
-    let columns = width.div_ceil(threads);
-
-    let mut down = vec![0; width * places];
-    let mut down_least = vec![0; width];
-    let mut costs = vec![0; band * width * places];
-    let mut sums = vec![0; band * width * places];
-    let mut spaces = vec![RowSpace::new(width, search, places); band];
+    let tiles = ground.windows.columns();
+    let of_strip = tiles.div_ceil(threads);
+    let strips = (0..tiles).step_by(of_strip);
+    let mut strips: Vec<Strip> = strips
+        .map(|first| Strip::new(ground.windows, first..(first + of_strip).min(tiles), band))
+        .collect();
+    let space = RowSpace::new(ground.windows, width, search);
+    let mut spaces = vec![space; band];
 
     let mut dx = Array2::zeros((height, width));
     let mut margin = Array2::zeros((height, width));
     let mut other_dx = other.then(|| Array2::zeros((height, width)));
     for top in (0..height).step_by(band) {
         let rows = band.min(height - top);
-        let mut strips: Vec<Strip<'_, C>> = down
-            .chunks_mut(columns * places)
-            .zip(down_least.chunks_mut(columns))
-            .enumerate()
-            .map(|(i, (runs, least))| Strip {
+        strips.par_iter_mut().for_each(|strip| {
+            widest(Down {
                 ground,
-                start: i * columns,
-                top,
-                places,
-                runs,
-                least,
-                costs: Vec::with_capacity(rows),
-                sums: Vec::with_capacity(rows),
-            })
-            .collect();
-        let of_rows = costs
-            .chunks_mut(width * places)
-            .zip(sums.chunks_mut(width * places));
-        for (costs, sums) in of_rows.take(rows) {
-            let parts = costs
-                .chunks_mut(columns * places)
-                .zip(sums.chunks_mut(columns * places));
-            for (strip, (costs, sums)) in strips.iter_mut().zip(parts) {
-                strip.costs.push(costs);
-                strip.sums.push(sums);
-            }
-        }
-        strips.into_par_iter().for_each(widest);
+                strip,
+                rows: top..top + rows,
+            });
+        });
 
         let rows = s![top..top + rows, ..];
         let mut dx = dx.slice_mut(rows);
@@ -121,16 +102,14 @@ pub(crate) fn aggregate<C: PixelCost>(
             .axis_chunks_iter_mut(Axis(0), ROWS_A_JOB)
             .zip(margin.axis_chunks_iter_mut(Axis(0), ROWS_A_JOB))
             .zip(spaces.chunks_mut(ROWS_A_JOB))
-            .zip(costs.chunks(ROWS_A_JOB * width * places))
-            .zip(sums.chunks_mut(ROWS_A_JOB * width * places))
             .enumerate()
-            .map(|(job, ((((dx, margin), spaces), costs), sums))| Rows {
+            .map(|(job, ((dx, margin), spaces))| Rows {
                 ground,
                 search,
+                strips: &strips,
+                band_top: top,
                 top: top + job * ROWS_A_JOB,
-                spaces,
-                costs,
-                sums,
+                spaces: &mut spaces[..dx.nrows()],
                 dx,
                 margin,
                 other_dx: others.next(),
@@ -145,85 +124,162 @@ pub(crate) fn aggregate<C: PixelCost>(
     }
 }
 
-/// The paths down through a few columns of one band.
-struct Strip<'a, C> {
-    ground: Ground<'a, C>,
-    /// The first column.
-    start: usize,
-    /// The first row of the band.
-    top: usize,
-    places: usize,
-    /// The paths' costs after the row above, a run a column, and the least of each.
-    runs: &'a mut [u8],
-    least: &'a mut [u8],
-    /// What is found for each row of the band, `[[column, place]]`: costs, and costs of the path.
-    costs: Vec<&'a mut [u8]>,
-    sums: Vec<&'a mut [u8]>,
+/// Runs `$work::<N>` with as many vectors as a window has, or 0 where that is no common number: loops
+/// over a number that the compiler knows leave nothing to count.
+macro_rules! with_vectors {
+    ($places:expr, $work:ident ( $($argument:expr),* )) => {
+        match $places / LANES {
+            1 => $work::<_, _, 1>($($argument),*),
+            2 => $work::<_, _, 2>($($argument),*),
+            3 => $work::<_, _, 3>($($argument),*),
+            4 => $work::<_, _, 4>($($argument),*),
+            _ => $work::<_, _, 0>($($argument),*),
+        }
+    };
 }
 
-impl<C: PixelCost> WideWork for Strip<'_, C> {
+/// Places of a window of `N` vectors, or of as many as it says if that is 0.
+#[inline(always)]
+const fn places<const N: usize>(window: Window) -> usize {
+    if N == 0 { window.places } else { N * LANES }
+}
+
+/// A few columns of tiles: the paths down through them, and what they find in the rows of one band.
+#[derive(Clone, Debug)]
+struct Strip {
+    tiles: Range<usize>,
+    /// The paths' costs after the row above, a run a column, and the least of each.
+    runs: Vec<u8>,
+    least: Vec<u8>,
+    spare: Vec<u8>,
+    /// Places to a row.
+    stride: usize,
+    /// What is found for each row of the band, `[[row, column, place]]`: costs, and costs of the
+    /// path.
+    costs: Vec<u8>,
+    down: Vec<u8>,
+}
+
+impl Strip {
+    fn new(windows: &SearchWindows, tiles: Range<usize>, band: usize) -> Self {
+        let stride = windows.most_in_row(&tiles);
+        Self {
+            runs: vec![0; stride],
+            least: vec![0; tiles.len() * TILE.width],
+            spare: vec![0; stride],
+            stride,
+            costs: vec![0; band * stride],
+            down: vec![0; band * stride],
+            tiles,
+        }
+    }
+
+    /// On the way from a row of some windows to one of others.
+    fn enter(&mut self, from: RowWindows<'_>, to: RowWindows<'_>) {
+        std::mem::swap(&mut self.runs, &mut self.spare);
+        let first = self.tiles.start;
+        let (from_start, to_start) = (from.tile(first).start, to.tile(first).start);
+        for tile in self.tiles.clone() {
+            let (from, to) = (from.tile(tile), to.tile(tile));
+            let runs = self.spare[from.start - from_start..].chunks(from.window.places);
+            let moved_runs = self.runs[to.start - to_start..].chunks_mut(to.window.places);
+            for (run, moved_run) in runs.zip(moved_runs).take(to.columns.len()) {
+                moved(run, from.window, to.window, moved_run);
+            }
+        }
+    }
+
+    /// Where the places of a tile lie in a row of the band.
+    #[inline(always)]
+    fn places(&self, row: usize, windows: RowWindows<'_>, tile: &Tile) -> Range<usize> {
+        let start = tile.start - windows.tile(self.tiles.start).start + row * self.stride;
+        start..start + tile.columns.len() * tile.window.places
+    }
+}
+
+/// The walk down a strip through the rows of a band.
+struct Down<'a, C> {
+    ground: Ground<'a, C>,
+    strip: &'a mut Strip,
+    rows: Range<usize>,
+}
+
+impl<C: PixelCost> WideWork for Down<'_, C> {
     #[inline(always)]
     fn work<W: Wide>(self, wide: W) {
         let Self {
             ground,
-            start,
-            top,
-            places,
-            runs,
-            least,
-            costs,
-            sums,
+            strip,
+            rows,
         } = self;
-        let mut spare = vec![0; places];
-        for (row, (costs, sums)) in costs.into_iter().zip(sums).enumerate() {
-            let y = top + row;
-            let (cost, windows) = (ground.cost.row(y), ground.windows.row(y));
-            let above = y.checked_sub(1);
-            let above = above.map(|y| (ground.guide.below(y), ground.windows.row(y)));
-            let pixels = costs
-                .chunks_exact_mut(places)
-                .zip(sums.chunks_exact_mut(places))
-                .zip(runs.chunks_exact_mut(places).zip(&mut *least));
-            for (column, ((costs, sums), (run, least))) in pixels.enumerate() {
-                let x = start + column;
-                let window = windows.at(x);
-                let costs = &mut costs[..window.places];
-                cost.costs(wide, x, window.first, costs);
-                // What is no shift costs the most there is.
-                let left_over = costs.iter_mut().skip(ground.shifts - window.first);
-                for cost in left_over {
-                    *cost = NO_SHIFT;
-                }
-                let large = match above {
-                    None => 0,
-                    Some((steps, windows)) => {
-                        let before = windows.at(x);
-                        if before != window {
-                            moved(run, before, window, &mut spare);
-                        }
-                        ground.penalty.large(steps[x])
-                    }
-                };
-                let penalties = (ground.penalty.small, large);
-                let costs = costs.as_chunks().0;
-                let sums = sums[..window.places].as_chunks_mut().0;
-                let run = run.as_chunks_mut().0;
-                *least = path_step(wide, run, *least, penalties, costs, |i, cost| {
-                    wide.store(cost, &mut sums[i]);
-                });
+        let mut top = rows.start;
+        while top < rows.end {
+            // Rows that share their windows.
+            let end = (top + 1).next_multiple_of(TILE.height).min(rows.end);
+            let windows = ground.windows.row(top);
+            if top > 0 && top.is_multiple_of(TILE.height) {
+                strip.enter(ground.windows.row(top - 1), windows);
             }
+            for tile in strip.tiles.clone() {
+                let tile = windows.tile(tile);
+                for y in top..end {
+                    let found = strip.places(y - rows.start, windows, &tile);
+                    with_vectors!(
+                        tile.window.places,
+                        walk_down(wide, ground, strip, y, windows, &tile, found)
+                    );
+                }
+            }
+            top = end;
         }
+    }
+}
+
+/// One step down of the paths through a row of a tile; their costs are `found` at those places.
+#[inline(always)]
+fn walk_down<W: Wide, C: PixelCost, const N: usize>(
+    wide: W,
+    ground: Ground<'_, C>,
+    strip: &mut Strip,
+    y: usize,
+    windows: RowWindows<'_>,
+    tile: &Tile,
+    found: Range<usize>,
+) {
+    let places = places::<N>(tile.window);
+    let cost = ground.cost.row(y);
+    let above = y.checked_sub(1).map(|y| ground.guide.below(y));
+    let first = windows.tile(strip.tiles.start);
+    let pixels = strip.costs[found.clone()]
+        .chunks_exact_mut(places)
+        .zip(strip.down[found].chunks_exact_mut(places))
+        .zip(strip.runs[tile.start - first.start..].chunks_exact_mut(places))
+        .zip(&mut strip.least[tile.columns.start - first.columns.start..]);
+    for (x, (((costs, down), run), least)) in tile.columns.clone().zip(pixels) {
+        cost.costs(wide, x, tile.window.first, costs);
+        // What is no shift costs the most there is.
+        if tile.window.first + places > ground.shifts {
+            costs[ground.shifts - tile.window.first..].fill(NO_SHIFT);
+        }
+        let large = above.map_or(0, |steps| ground.penalty.large(steps[x]));
+        let penalties = (ground.penalty.small, large);
+        let (costs, down) = (costs.as_chunks().0, down.as_chunks_mut().0);
+        let run = run.as_chunks_mut().0;
+        *least = path_step(wide, run, *least, penalties, costs, |i, cost| {
+            wide.store(cost, &mut down[i]);
+        });
     }
 }
 
 /// What the paths of one row need.
 #[derive(Clone, Debug)]
 struct RowSpace {
-    places: usize,
     /// The costs of a path along the row at its last pixel, and the least of them.
     run: Vec<u8>,
     least: u8,
     spare: Vec<u8>,
+    /// The costs of the path from the left, `[[x, place]]`.
+    onward: Vec<u8>,
     total: Vec<u8>,
     /// What a large step from each pixel to the one before costs.
     large: Vec<u8>,
@@ -246,18 +302,19 @@ struct OtherEye {
 const BLOCK: usize = 256 - LANES;
 
 impl RowSpace {
-    fn new(width: usize, search: SearchRange, places: usize) -> Self {
+    fn new(windows: &SearchWindows, width: usize, search: SearchRange) -> Self {
         let padding = Padding::of(search);
         let stride = padding.stride(width);
         let other = OtherEye {
             least: vec![0; stride],
             place: vec![0; stride],
         };
+        let places = windows.most_places();
         Self {
-            places,
             run: vec![0; places],
             least: 0,
             spare: vec![0; places],
+            onward: vec![0; windows.most_in_row(&(0..windows.columns()))],
             total: vec![0; places],
             large: vec![0; width + 1],
             other: vec![other; search.shifts().div_ceil(BLOCK)],
@@ -276,21 +333,22 @@ impl RowSpace {
     #[inline(always)]
     fn enter(&mut self, from: Window, to: Window) {
         if from != to {
-            moved(&mut self.run, from, to, &mut self.spare);
+            moved(&self.run, from, to, &mut self.spare[..to.places]);
+            std::mem::swap(&mut self.run, &mut self.spare);
         }
     }
 }
 
-/// The horizontal paths of a few rows, and their winners.
+/// The horizontal paths of a few rows that share their windows, and their winners.
 struct Rows<'a, C> {
     ground: Ground<'a, C>,
     search: SearchRange,
-    /// The first row.
+    /// Costs and paths down of the band.
+    strips: &'a [Strip],
+    /// The first row of the band, and of these.
+    band_top: usize,
     top: usize,
     spaces: &'a mut [RowSpace],
-    /// Costs and sums of the rows, `[[row, x, place]]`.
-    costs: &'a [u8],
-    sums: &'a mut [u8],
     dx: ArrayViewMut2<'a, f32>,
     margin: ArrayViewMut2<'a, u8>,
     other_dx: Option<ArrayViewMut2<'a, f32>>,
@@ -298,89 +356,125 @@ struct Rows<'a, C> {
 
 impl<C: PixelCost> WideWork for Rows<'_, C> {
     #[inline(always)]
-    fn work<W: Wide>(self, wide: W) {
-        let Self {
-            ground,
-            search,
-            top,
-            spaces,
-            costs,
-            sums,
-            mut dx,
-            mut margin,
-            mut other_dx,
-        } = self;
-        let (rows, width) = dx.dim();
-        let spaces = &mut spaces[..rows];
-        let small = ground.penalty.small;
-        let last = ground.guide.height() - 1;
-        let windows: [RowWindows<'_>; ROWS_A_JOB] =
-            std::array::from_fn(|row| ground.windows.row((top + row).min(last)));
-        for (row, space) in spaces.iter_mut().enumerate() {
-            let steps = ground.guide.beside(top + row);
+    fn work<W: Wide>(mut self, wide: W) {
+        let ground = self.ground;
+        let windows = ground.windows.row(self.top);
+        for (row, space) in self.spaces.iter_mut().enumerate() {
+            let steps = ground.guide.beside(self.top + row);
             for (large, step) in space.large[1..].iter_mut().zip(steps) {
                 *large = ground.penalty.large(*step);
             }
             space.begin();
         }
-        for x in 0..width {
-            for (row, space) in spaces.iter_mut().enumerate() {
-                let windows = windows[row];
-                let window = windows.at(x);
-                space.enter(windows.at(x.saturating_sub(1)), window);
-                let pixel = (row * width + x) * space.places;
-                let pixel = pixel..pixel + window.places;
-                let costs = costs[pixel.clone()].as_chunks().0;
-                let sums = sums[pixel].as_chunks_mut().0;
-                let penalties = (small, space.large[x]);
-                let run = space.run.as_chunks_mut().0;
-                space.least = path_step(wide, run, space.least, penalties, costs, |i, cost| {
-                    wide.store(wide.add(wide.load(&sums[i]), cost), &mut sums[i]);
-                });
+        let mut before = windows.tile(0).window;
+        for strip in self.strips {
+            for tile in strip.tiles.clone() {
+                let tile = windows.tile(tile);
+                for space in &mut *self.spaces {
+                    space.enter(before, tile.window);
+                }
+                before = tile.window;
+                let first = strip.places(self.top - self.band_top, windows, &tile);
+                let costs = &strip.costs[first.start..];
+                with_vectors!(
+                    tile.window.places,
+                    walk_right(wide, ground, self.spaces, &tile, (costs, strip.stride))
+                );
             }
         }
 
-        for space in &mut *spaces {
+        for space in &mut *self.spaces {
             space.begin();
-            if other_dx.is_some() {
+            if self.other_dx.is_some() {
                 for other in &mut space.other {
                     other.least.fill(NO_SHIFT);
                 }
             }
         }
-        for x in (0..width).rev() {
-            for (row, space) in spaces.iter_mut().enumerate() {
-                let windows = windows[row];
-                let window = windows.at(x);
-                space.enter(windows.at((x + 1).min(width - 1)), window);
-                let pixel = (row * width + x) * space.places;
-                let pixel = pixel..pixel + window.places;
-                let costs = costs[pixel.clone()].as_chunks().0;
-                let sums = sums[pixel].as_chunks().0;
-                let penalties = (small, space.large[x + 1]);
-                let run = space.run.as_chunks_mut().0;
-                let total = space.total.as_chunks_mut().0;
-                let mut lowest = wide.splat(NO_SHIFT);
-                space.least = path_step(wide, run, space.least, penalties, costs, |i, cost| {
-                    let sum = wide.add(wide.load(&sums[i]), cost);
-                    lowest = wide.min(lowest, sum);
-                    wide.store(sum, &mut total[i]);
-                });
-                if other_dx.is_some() {
-                    space.tell_the_other(wide, x, window);
+        for strip in self.strips.iter().rev() {
+            for tile in strip.tiles.clone().rev() {
+                let tile = windows.tile(tile);
+                for space in &mut *self.spaces {
+                    space.enter(before, tile.window);
                 }
-                let total = &space.total[..window.places];
-                let found = winner(wide, total, wide.least(lowest));
-                let whole = search.least_dx() + (window.first + found.place) as i32;
-                dx[[row, x]] = whole as f32 + found.beyond;
-                margin[[row, x]] = found.margin;
+                before = tile.window;
+                let first = strip.places(self.top - self.band_top, windows, &tile);
+                let found = (&strip.costs[first.start..], &strip.down[first.start..]);
+                with_vectors!(
+                    tile.window.places,
+                    walk_left(wide, &mut self, &tile, found, strip.stride)
+                );
             }
         }
-        let Some(other_dx) = &mut other_dx else {
+        let Some(other_dx) = &mut self.other_dx else {
             return;
         };
-        for (mut other_dx, space) in other_dx.rows_mut().into_iter().zip(spaces) {
-            space.told(search, &mut other_dx);
+        for (mut other_dx, space) in other_dx.rows_mut().into_iter().zip(self.spaces) {
+            space.told(self.search, &mut other_dx);
+        }
+    }
+}
+
+/// The paths from the left through a tile, row by row; `costs` begin at its first place of the first
+/// row, and again after each stride.
+#[inline(always)]
+fn walk_right<W: Wide, C: PixelCost, const N: usize>(
+    wide: W,
+    ground: Ground<'_, C>,
+    spaces: &mut [RowSpace],
+    tile: &Tile,
+    (costs, stride): (&[u8], usize),
+) {
+    let places = places::<N>(tile.window);
+    for (i, x) in tile.columns.clone().enumerate() {
+        for (row, space) in spaces.iter_mut().enumerate() {
+            let costs = costs[row * stride + i * places..][..places].as_chunks().0;
+            let onward = &mut space.onward[tile.start + i * places..][..places];
+            let onward = onward.as_chunks_mut().0;
+            let penalties = (ground.penalty.small, space.large[x]);
+            let run = space.run.as_chunks_mut().0;
+            space.least = path_step(wide, run, space.least, penalties, costs, |i, cost| {
+                wide.store(cost, &mut onward[i]);
+            });
+        }
+    }
+}
+
+/// The paths from the right through a tile, and its winners. Costs and paths down begin at its first
+/// place of the first row, and again after each stride.
+#[inline(always)]
+fn walk_left<W: Wide, C: PixelCost, const N: usize>(
+    wide: W,
+    rows: &mut Rows<'_, C>,
+    tile: &Tile,
+    (costs, down): (&[u8], &[u8]),
+    stride: usize,
+) {
+    let places = places::<N>(tile.window);
+    let least_dx = rows.search.least_dx() + tile.window.first as i32;
+    for (i, x) in tile.columns.clone().enumerate().rev() {
+        for (row, space) in rows.spaces.iter_mut().enumerate() {
+            let found = row * stride + i * places;
+            let costs = costs[found..][..places].as_chunks().0;
+            let down = down[found..][..places].as_chunks().0;
+            let onward = &space.onward[tile.start + i * places..][..places];
+            let onward = onward.as_chunks().0;
+            let penalties = (rows.ground.penalty.small, space.large[x + 1]);
+            let run = space.run.as_chunks_mut().0;
+            let total = space.total[..places].as_chunks_mut().0;
+            let mut lowest = wide.splat(NO_SHIFT);
+            space.least = path_step(wide, run, space.least, penalties, costs, |i, cost| {
+                let others = wide.add(wide.load(&down[i]), wide.load(&onward[i]));
+                let sum = wide.add(others, cost);
+                lowest = wide.min(lowest, sum);
+                wide.store(sum, &mut total[i]);
+            });
+            if rows.other_dx.is_some() {
+                space.tell_the_other(wide, x, tile.window.first, places);
+            }
+            let found = winner(wide, &space.total[..places], wide.least(lowest));
+            rows.dx[[row, x]] = (least_dx + found.place as i32) as f32 + found.beyond;
+            rows.margin[[row, x]] = found.margin;
         }
     }
 }
@@ -389,16 +483,16 @@ impl RowSpace {
     /// Offers the sums of pixel `x` to the pixels of the other eye that its shifts lead to, and to
     /// the padding where they lead out of view.
     #[inline(always)]
-    fn tell_the_other<W: Wide>(&mut self, wide: W, x: usize, window: Window) {
-        let first = self.padding.first(x) + window.first;
-        let offers = self.total[..window.places].as_chunks::<LANES>().0;
+    fn tell_the_other<W: Wide>(&mut self, wide: W, x: usize, first: usize, places: usize) {
+        let seen_first = self.padding.first(x) + first;
+        let offers = self.total[..places].as_chunks::<LANES>().0;
         for (i, offer) in offers.iter().enumerate() {
-            let place = window.first + i * LANES;
+            let place = first + i * LANES;
             // Beyond the last shift nothing is offered.
             let Some(other) = self.other.get_mut(place / BLOCK) else {
                 return;
             };
-            let seen = first + i * LANES..first + (i + 1) * LANES;
+            let seen = seen_first + i * LANES..seen_first + (i + 1) * LANES;
             let ([least], [best]) = (
                 other.least[seen.clone()].as_chunks_mut::<LANES>().0,
                 other.place[seen].as_chunks_mut::<LANES>().0,

@@ -1,4 +1,4 @@
-use ndarray::{Array2, Axis, Zip};
+use ndarray::{Array2, Zip};
 use v1_gabor::{BadParams, Binocular, FilterBank, GaborParams, LumaImage, Size, WrongSize};
 
 use crate::dense::aggregate::{Ground, Winners, aggregate};
@@ -253,7 +253,9 @@ impl DenseMatcher {
                     ..ground
                 };
                 let mut mirrored = aggregate(ground, search, false).dx;
-                mirrored.invert_axis(Axis(1));
+                for mut row in mirrored.rows_mut() {
+                    row.as_slice_mut().unwrap_or_default().reverse();
+                }
                 mirrored
             }
         };

@@ -25,57 +25,58 @@ const LANES: usize = 16;
 pub(crate) fn fill(field: &PartialField, otherwise: f32) -> Array2<f32> {
     let (height, width) = field.dx.dim();
     let mut filled = field.dx.clone();
-    // The columns of each row that must look around.
-    let mut missed = Vec::with_capacity(height);
+    // What must look around, row by row.
+    let mut missed = Vec::new();
+    let mut rows = Vec::with_capacity(height);
     for (y, mut filled) in filled.rows_mut().into_iter().enumerate() {
-        let mut columns = Vec::new();
-        let (known, validity) = (field.known.row(y), field.validity.row(y));
-        if known.iter().any(|known| !known) {
-            let behind = field.backgrounds(y);
-            for (x, dx) in filled.iter_mut().enumerate() {
-                if !known[x] {
-                    if is_hidden(validity[x]) && behind[x].is_finite() {
-                        *dx = behind[x];
-                    } else {
-                        columns.push(x);
-                    }
+        let validity = field.validity.row(y);
+        let first = missed.len();
+        for hole in field.holes(y) {
+            let behind = hole.behind();
+            let beside = [hole.left, hole.right].map(|dx| dx.unwrap_or(f32::INFINITY));
+            for x in hole.columns {
+                match behind {
+                    Some(behind) if is_hidden(validity[x]) => filled[x] = behind,
+                    _ => missed.push(Missed { x, beside }),
                 }
             }
         }
-        missed.push(columns);
+        rows.push(first..missed.len());
     }
 
-    let mut below = Vec::new();
+    let mut below = vec![[f32::INFINITY; ONWARD.len()]; missed.len()];
     let mut onward = Onward::new(width);
-    for y in (0..height).rev() {
-        for &x in &missed[y] {
-            below.push(onward.seen_from(x));
+    for (y, row) in rows.iter().enumerate().rev() {
+        for (below, missed) in below[row.clone()].iter_mut().zip(&missed[row.clone()]) {
+            *below = onward.seen_from(missed.x);
         }
         onward.pass(field, y);
     }
     let mut onward = Onward::new(width);
-    for (y, columns) in missed.iter().enumerate() {
-        if !columns.is_empty() {
-            let (left, right) = beside(field, y);
-            let from_below = below.split_off(below.len() - columns.len());
-            let around = columns.iter().zip(from_below).map(|(&x, below)| {
-                let above = onward.seen_from(x);
-                let mut around = [left[x]; DIRECTIONS];
-                around[1] = right[x];
-                around[2..9].copy_from_slice(&above);
-                around[9..].copy_from_slice(&below);
-                around
-            });
-            let around: Vec<[f32; DIRECTIONS]> = around.collect();
-            for (columns, around) in columns.chunks(LANES).zip(around.chunks(LANES)) {
-                for (x, median) in columns.iter().zip(medians(around)) {
-                    filled[[y, *x]] = median.unwrap_or(otherwise);
-                }
+    for (y, row) in rows.into_iter().enumerate() {
+        let below = below[row.clone()].chunks(LANES);
+        for (missed, below) in missed[row].chunks(LANES).zip(below) {
+            let mut around = [[f32::INFINITY; DIRECTIONS]; LANES];
+            for (around, (missed, below)) in around.iter_mut().zip(missed.iter().zip(below)) {
+                around[..2].copy_from_slice(&missed.beside);
+                around[2..9].copy_from_slice(&onward.seen_from(missed.x));
+                around[9..].copy_from_slice(below);
+            }
+            for (missed, median) in missed.iter().zip(medians(&around)) {
+                filled[[y, missed.x]] = median.unwrap_or(otherwise);
             }
         }
         onward.pass(field, y);
     }
     filled
+}
+
+/// A pixel that must look around, and the nearest known shifts to its left and right, infinite where
+/// there is none.
+#[derive(Clone, Copy, Debug)]
+struct Missed {
+    x: usize,
+    beside: [f32; 2],
 }
 
 /// What is nearest in each direction that leads back to the rows walked over, from each pixel of
@@ -108,8 +109,11 @@ impl Onward {
 
     /// Walks over row `y`.
     fn pass(&mut self, field: &PartialField, y: usize) {
-        let own = field.dx.row(y).into_iter().zip(field.known.row(y));
-        for (seen, (dx, known)) in self.own.iter_mut().zip(own) {
+        let (dx, known) = (field.dx.row(y), field.known.row(y));
+        let (Some(dx), Some(known)) = (dx.to_slice(), known.to_slice()) else {
+            unreachable!("planes are made in row-major order")
+        };
+        for (seen, (dx, known)) in self.own.iter_mut().zip(dx.iter().zip(known)) {
             *seen = if *known { *dx } else { f32::INFINITY };
         }
         for ([latest, before], (step, back)) in self.rows.iter_mut().zip(ONWARD) {
@@ -151,29 +155,9 @@ impl NullaryFnOnce for Seen<'_> {
     }
 }
 
-/// The nearest known shift to the left and to the right of each pixel of a row, infinite where there
-/// is none.
-fn beside(field: &PartialField, y: usize) -> (Vec<f32>, Vec<f32>) {
-    let (dx, known) = (field.dx.row(y), field.known.row(y));
-    let row = || dx.iter().zip(known);
-    let mut right = passed(row().rev());
-    right.reverse();
-    (passed(row()), right)
-}
-
-/// The last known shift before each on the way.
-fn passed<'a>(way: impl Iterator<Item = (&'a f32, &'a bool)>) -> Vec<f32> {
-    let passed = way.scan(f32::INFINITY, |last, (dx, known)| {
-        let before = *last;
-        *last = if *known { *dx } else { before };
-        Some(before)
-    });
-    passed.collect()
-}
-
 /// The median of what each of a few pixels sees, of two in the middle the farther; `None` if it
 /// sees nothing.
-fn medians(around: &[[f32; DIRECTIONS]]) -> [Option<f32>; LANES] {
+fn medians(around: &[[f32; DIRECTIONS]; LANES]) -> [Option<f32>; LANES] {
     let mut counts = [0; LANES];
     let mut sorted = [[f32::INFINITY; LANES]; DIRECTIONS];
     for (lane, around) in around.iter().enumerate() {

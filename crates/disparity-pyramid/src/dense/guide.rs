@@ -25,7 +25,11 @@ impl Guide {
             None => {
                 // Half a step more rounds, as what is below nothing becomes nothing.
                 let grey = |luma: &f32| (luma * 255.0 + 0.5) as u8;
-                vec![view.luma.plane().iter().map(grey).collect()]
+                let rows = view.luma.plane();
+                let Some(luma) = rows.to_slice() else {
+                    unreachable!("a picture is kept in row-major order")
+                };
+                vec![luma.iter().map(grey).collect()]
             }
         };
         Self::new(size.width, size.height, channels)
@@ -34,12 +38,12 @@ impl Guide {
     fn new(width: usize, height: usize, channels: Vec<Vec<u8>>) -> Self {
         let area = width * height;
         let mut beside = steps(&channels, 1);
+        beside.resize(area, 0);
         // The last pixel of a row has no next one.
         for last in beside.chunks_mut(width).filter_map(<[u8]>::last_mut) {
             *last = 0;
         }
         let mut below = steps(&channels, width);
-        beside.resize(area, 0);
         below.resize(area, 0);
         Self {
             width,
@@ -80,9 +84,11 @@ impl Guide {
 
     /// How far two pixels' colours lie apart, in steps of 8 bits: the mean over the channels, which
     /// the noise of one does not carry.
-    #[inline(always)]
+    #[cfg(test)]
     pub(crate) fn step(&self, one: usize, other: usize) -> u8 {
-        step(&self.channels, one, other)
+        let step = |plane: &Vec<u8>| u16::from(plane[one].abs_diff(plane[other]));
+        let sum: u16 = self.channels.iter().map(step).sum();
+        (sum / self.channels.len() as u16) as u8
     }
 
     /// The steps from each pixel of a row to the next one.
@@ -100,30 +106,22 @@ impl Guide {
 
 /// How far each pixel's colour lies from that of the pixel `further` on, as long as there is one.
 fn steps(channels: &[Vec<u8>], further: usize) -> Vec<u8> {
-    let pairs = |plane: &Vec<u8>| {
-        let (here, there) = (plane.iter().copied(), plane.iter().copied().skip(further));
-        here.zip(there)
-            .map(|(here, there)| u16::from(here.abs_diff(there)))
-            .collect::<Vec<u16>>()
+    let pairs = |plane| {
+        let plane: &[u8] = plane;
+        plane.iter().zip(plane.get(further..).unwrap_or_default())
     };
     match channels {
-        [grey] => pairs(grey).into_iter().map(|step| step as u8).collect(),
+        [grey] => pairs(grey)
+            .map(|(here, there)| here.abs_diff(*there))
+            .collect(),
         [red, green, blue] => {
-            let (red, green, blue) = (pairs(red), pairs(green), pairs(blue));
-            let sums = red.into_iter().zip(green).zip(blue);
-            sums.map(|((red, green), blue)| ((red + green + blue) / 3) as u8)
+            let step = |(here, there): (&u8, &u8)| u16::from(here.abs_diff(*there));
+            let others = pairs(green).zip(pairs(blue));
+            let steps = pairs(red).zip(others);
+            steps
+                .map(|(red, (green, blue))| ((step(red) + step(green) + step(blue)) / 3) as u8)
                 .collect()
         }
         _ => Vec::new(),
-    }
-}
-
-#[inline(always)]
-fn step(channels: &[Vec<u8>], one: usize, other: usize) -> u8 {
-    let step = |plane: &Vec<u8>| u16::from(plane[one].abs_diff(plane[other]));
-    match channels {
-        [grey] => step(grey) as u8,
-        [red, green, blue] => ((step(red) + step(green) + step(blue)) / 3) as u8,
-        _ => 0,
     }
 }

@@ -1,7 +1,10 @@
-use ndarray::{Array2, ArrayView1, ArrayView2, Zip};
+use ndarray::{Array2, ArrayView2, Zip};
 
-use crate::dense::nearest::nearest;
+use crate::dense::nearest::{nearest, place};
 use crate::{SearchRange, Validity};
+
+/// How far a claim may lie from the pixel that it is for: half a pixel of rounding, and a little.
+const AGREES_PX: f32 = 0.6;
 
 /// Follows each shift to the other eye and asks what that eye's own shift there is (`other_dx`,
 /// right minus left as well). Where the two differ by more than `tolerance_px`, the pixel is
@@ -13,51 +16,68 @@ pub(crate) fn look_back(
     tolerance_px: f32,
     search: SearchRange,
 ) -> Array2<Validity> {
-    let width = dx.ncols();
     let mut verdicts = Array2::from_elem(dx.dim(), Validity::Valid);
     Zip::from(verdicts.rows_mut())
         .and(dx.rows())
         .and(other_dx.rows())
         .par_for_each(|mut verdicts, dx, other_dx| {
-            let claimed = claimed(other_dx, search);
-            for (x, (verdict, &dx)) in verdicts.iter_mut().zip(dx).enumerate() {
-                let seen = nearest(x as f32 + dx);
-                *verdict = if !(seen >= 0.0 && seen < width as f32) {
-                    Validity::OutOfView
-                } else if (dx - other_dx[seen as usize]).abs() <= tolerance_px {
-                    Validity::Valid
-                } else if claimed[x] {
-                    Validity::Inconsistent
-                } else {
-                    Validity::Occluded
-                };
+            let (Some(verdicts), Some(dx), Some(other_dx)) =
+                (verdicts.as_slice_mut(), dx.to_slice(), other_dx.to_slice())
+            else {
+                unreachable!("planes are made in row-major order")
+            };
+            if judge_row(verdicts, dx, other_dx, tolerance_px) {
+                let claimed = claimed(other_dx, search);
+                for (verdict, claimed) in verdicts.iter_mut().zip(claimed) {
+                    if claimed && *verdict == Validity::Occluded {
+                        *verdict = Validity::Inconsistent;
+                    }
+                }
             }
         });
     verdicts
 }
 
+/// Which pixels of a row the other eye confirms; what it does not is called occluded. Whether there
+/// is any such pixel.
+fn judge_row(verdicts: &mut [Validity], dx: &[f32], other_dx: &[f32], tolerance_px: f32) -> bool {
+    let mut some = false;
+    for (x, (verdict, &dx)) in verdicts.iter_mut().zip(dx).enumerate() {
+        *verdict = match other_dx.get(place(x as f32 + dx)) {
+            None => Validity::OutOfView,
+            Some(other_dx) if (dx - other_dx).abs() <= tolerance_px => Validity::Valid,
+            Some(_) => {
+                some = true;
+                Validity::Occluded
+            }
+        };
+    }
+    some
+}
+
 /// Which pixels of a row some pixel of the other eye says it sees.
-fn claimed(other_dx: ArrayView1<'_, f32>, search: SearchRange) -> Vec<bool> {
-    // Half a pixel of rounding, and a little.
-    const AGREES_PX: f32 = 0.6;
+fn claimed(other_dx: &[f32], search: SearchRange) -> Vec<bool> {
     let (least, most) = (search.least_dx() as f32, search.most_dx() as f32);
     let mut claimed = vec![false; other_dx.len()];
     for (seen, dx) in other_dx.iter().enumerate() {
         // An eye that says nothing, NaN, claims nothing: no comparison below holds.
         let from = seen as f32 - dx;
-        let (first, last) = (nearest(from - AGREES_PX), nearest(from + AGREES_PX));
-        let mut x = first;
-        while x <= last {
+        let x = nearest(from);
+        let mut claim = |x: f32| {
             let shift = seen as f32 - x;
-            let tried = least <= shift && shift <= most;
-            if tried
-                && (shift - dx).abs() < AGREES_PX
-                && x >= 0.0
-                && let Some(claimed) = claimed.get_mut(x as usize)
+            if least <= shift
+                && shift <= most
+                && let Some(claimed) = claimed.get_mut(place(x))
             {
                 *claimed = true;
             }
-            x += 1.0;
+        };
+        claim(x);
+        // Halfway between two pixels both are seen.
+        if from - x > 1.0 - AGREES_PX {
+            claim(x + 1.0);
+        } else if x - from > 1.0 - AGREES_PX {
+            claim(x - 1.0);
         }
     }
     claimed

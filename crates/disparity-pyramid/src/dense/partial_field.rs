@@ -1,3 +1,5 @@
+use std::ops::Range;
+
 use ndarray::Array2;
 
 use crate::Validity;
@@ -22,25 +24,43 @@ impl PartialField {
         }
     }
 
-    /// For every pixel of a row the farther of the nearest known shifts to its left and right: what
-    /// lies behind it. Minus infinity if the row knows nothing but the pixel itself.
-    pub(crate) fn backgrounds(&self, y: usize) -> Vec<f32> {
+    /// The runs of a row's pixels that are not known, from left to right.
+    pub(crate) fn holes(&self, y: usize) -> impl Iterator<Item = Hole> {
         let (dx, known) = (self.dx.row(y), self.known.row(y));
         let (Some(dx), Some(known)) = (dx.to_slice(), known.to_slice()) else {
             unreachable!("planes are made in row-major order")
         };
-        let mut behind = vec![f32::NEG_INFINITY; dx.len()];
-        let mut nearest = f32::NEG_INFINITY;
-        for ((behind, dx), known) in behind.iter_mut().zip(dx).zip(known) {
-            *behind = nearest;
-            nearest = if *known { *dx } else { nearest };
+        let mut next = 0;
+        std::iter::from_fn(move || {
+            let start = next + known[next..].iter().position(|known| !known)?;
+            let length = known[start..].iter().position(|known| *known);
+            let end = length.map_or(known.len(), |length| start + length);
+            next = end;
+            Some(Hole {
+                columns: start..end,
+                left: start.checked_sub(1).map(|left| dx[left]),
+                right: dx.get(end).copied(),
+            })
+        })
+    }
+}
+
+/// A run of pixels of one row that are not known, and what is known beside it.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Hole {
+    pub(crate) columns: Range<usize>,
+    /// The shift to the left and to the right, unless the image ends there.
+    pub(crate) left: Option<f32>,
+    pub(crate) right: Option<f32>,
+}
+
+impl Hole {
+    /// The farther of the shifts beside it: what lies behind it. `None` if its row knows nothing.
+    pub(crate) fn behind(&self) -> Option<f32> {
+        match (self.left, self.right) {
+            (Some(left), Some(right)) => Some(left.max(right)),
+            (one, other) => one.or(other),
         }
-        nearest = f32::NEG_INFINITY;
-        for ((behind, dx), known) in behind.iter_mut().zip(dx).zip(known).rev() {
-            *behind = if nearest > *behind { nearest } else { *behind };
-            nearest = if *known { *dx } else { nearest };
-        }
-        behind
     }
 }
 

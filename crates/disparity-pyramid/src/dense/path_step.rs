@@ -9,10 +9,9 @@ const FAR: u8 = u8::MAX;
 pub(crate) const MOST_PENALTY: f32 = 50.0;
 
 /// Tells a run of another window of shifts what the one before has found: what only the one before
-/// had is forgotten but for its least, what only this one has costs [`FAR`]. `spare` is overwritten.
+/// had is forgotten but for its least, what only this one has costs [`FAR`].
 #[inline(always)]
-pub(crate) fn moved(run: &mut [u8], from: Window, to: Window, spare: &mut [u8]) {
-    let moved = &mut spare[..to.places];
+pub(crate) fn moved(run: &[u8], from: Window, to: Window, moved: &mut [u8]) {
     moved.fill(FAR);
     let start = from.first.max(to.first);
     let end = (from.first + from.places).min(to.first + to.places);
@@ -20,7 +19,6 @@ pub(crate) fn moved(run: &mut [u8], from: Window, to: Window, spare: &mut [u8]) 
         let kept = &run[start - from.first..end - from.first];
         moved[start - to.first..end - to.first].copy_from_slice(kept);
     }
-    run[..to.places].copy_from_slice(moved);
 }
 
 /// One step of a path to its next pixel:

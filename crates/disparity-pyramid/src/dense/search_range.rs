@@ -100,11 +100,12 @@ impl SearchRange {
         Some(range.within(width))
     }
 
-    /// The range in pixels of half the size, both ends rounded outwards.
+    /// The range in pixels of half the size, both ends rounded towards nothing: what lies half a
+    /// pixel further is found from its neighbour.
     pub(crate) const fn halved(self) -> Self {
         Self {
-            least_dx: self.least_dx.div_euclid(2),
-            most_dx: (self.most_dx + 1).div_euclid(2),
+            least_dx: self.least_dx / 2,
+            most_dx: self.most_dx / 2,
         }
     }
 

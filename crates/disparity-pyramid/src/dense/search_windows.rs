@@ -1,4 +1,6 @@
-use ndarray::ArrayView2;
+use std::ops::Range;
+
+use ndarray::{ArrayView2, s};
 use v1_gabor::Size;
 
 use crate::SearchRange;
@@ -6,10 +8,14 @@ use crate::dense::pixel_cost::LANES;
 
 /// Width and height in pixels of the tiles that share a window: a path crosses from one window to
 /// the next seldom, and few pixels search what only their neighbours need.
-const TILE: Size = Size {
+pub(crate) const TILE: Size = Size {
     width: 16,
     height: 8,
 };
+
+/// How far about a tile a coarse look is asked, in its own pixels: what lies there may reach into the
+/// tile.
+const AROUND: usize = 8;
 
 /// A run of the shifts of a search, by their places in it: a whole number of vectors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,8 +29,12 @@ pub(crate) struct Window {
 /// Which shifts are searched at each pixel of an image: one window a tile.
 #[derive(Clone, Debug)]
 pub(crate) struct SearchWindows {
+    width: usize,
+    /// Tiles to a row.
     columns: usize,
     windows: Vec<Window>,
+    /// How many places the pixels of a row have up to each tile, and altogether.
+    starts: Vec<usize>,
     most_places: usize,
 }
 
@@ -36,14 +46,10 @@ impl SearchWindows {
             first: 0,
             places: search.shifts().next_multiple_of(LANES),
         };
-        Self {
-            columns: tiles.width,
-            windows: vec![window; tiles.area()],
-            most_places: window.places,
-        }
+        Self::new(size, vec![window; tiles.area()])
     }
 
-    /// Around what a look at half the size has found in a tile and the tiles beside it: from the
+    /// Around what a look at half the size has found in a tile and close about it: from the
     /// least shift there to the largest, and at least `margin_px` further on either side.
     ///
     /// `coarse_dx` holds the shifts of every second pixel of every second row, in its own pixels.
@@ -54,19 +60,11 @@ impl SearchWindows {
         margin_px: u16,
     ) -> Self {
         let tiles = tiles(size);
-        let own = spans(coarse_dx, tiles);
+        let spans = spans(coarse_dx, tiles);
         let margin_px = f32::from(margin_px);
         let (least_dx, shifts) = (search.least_dx() as f32, search.shifts());
         let all = shifts.next_multiple_of(LANES);
-        let window = |tile: usize| {
-            let (x, y) = (tile % tiles.width, tile / tiles.width);
-            let (mut least, mut most) = own[tile];
-            for row in y.saturating_sub(1)..(y + 2).min(tiles.height) {
-                for column in x.saturating_sub(1)..(x + 2).min(tiles.width) {
-                    let (low, high) = own[row * tiles.width + column];
-                    (least, most) = (least.min(low), most.max(high));
-                }
-            }
+        let window = |(least, most): &(f32, f32)| {
             let place = |dx: f32| (dx - least_dx).clamp(0.0, (shifts - 1) as f32);
             let low = place((2.0 * least).floor() - margin_px) as usize;
             let high = place((2.0 * most).ceil() + margin_px) as usize;
@@ -79,13 +77,40 @@ impl SearchWindows {
                 places,
             }
         };
-        let windows: Vec<Window> = (0..tiles.area()).map(window).collect();
+        Self::new(size, spans.iter().map(window).collect())
+    }
+
+    fn new(size: Size, windows: Vec<Window>) -> Self {
+        let columns = tiles(size).width;
+        let mut starts = Vec::with_capacity(windows.len() + windows.len() / columns);
+        for windows in windows.chunks(columns) {
+            let mut start = 0;
+            for (tile, window) in windows.iter().enumerate() {
+                starts.push(start);
+                start += window.places * columns_of(tile, size.width).len();
+            }
+            starts.push(start);
+        }
         let most_places = windows.iter().map(|window| window.places).max();
         Self {
-            columns: tiles.width,
-            most_places: most_places.unwrap_or(LANES),
+            width: size.width,
+            columns,
             windows,
+            starts,
+            most_places: most_places.unwrap_or(LANES),
         }
+    }
+
+    /// Tiles to a row.
+    pub(crate) const fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// The most places that the pixels of a row have together, in these of its tiles.
+    pub(crate) fn most_in_row(&self, tiles: &Range<usize>) -> usize {
+        let rows = self.starts.chunks(self.columns + 1);
+        let most = rows.map(|starts| starts[tiles.end] - starts[tiles.start]);
+        most.max().unwrap_or(0)
     }
 
     /// The most places of any window.
@@ -93,24 +118,52 @@ impl SearchWindows {
         self.most_places
     }
 
-    /// The windows of a row's pixels.
+    /// The tiles of a row's pixels.
     #[inline(always)]
     pub(crate) fn row(&self, y: usize) -> RowWindows<'_> {
-        let start = y / TILE.height * self.columns;
-        RowWindows(&self.windows[start..start + self.columns])
+        let row = y / TILE.height;
+        RowWindows {
+            width: self.width,
+            windows: &self.windows[row * self.columns..][..self.columns],
+            starts: &self.starts[row * (self.columns + 1)..][..=self.columns],
+        }
     }
 }
 
 /// The windows of one row.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct RowWindows<'a>(&'a [Window]);
+pub(crate) struct RowWindows<'a> {
+    width: usize,
+    windows: &'a [Window],
+    starts: &'a [usize],
+}
+
+/// A few pixels of a row that share a window.
+#[derive(Clone, Debug)]
+pub(crate) struct Tile {
+    pub(crate) columns: Range<usize>,
+    pub(crate) window: Window,
+    /// How many places the pixels before it have.
+    pub(crate) start: usize,
+}
 
 impl RowWindows<'_> {
-    /// What is searched at pixel `x`.
+    /// A tile of the row.
     #[inline(always)]
-    pub(crate) fn at(self, x: usize) -> Window {
-        self.0[x / TILE.width]
+    pub(crate) fn tile(&self, tile: usize) -> Tile {
+        Tile {
+            columns: columns_of(tile, self.width),
+            window: self.windows[tile],
+            start: self.starts[tile],
+        }
     }
+}
+
+/// The columns of a tile.
+#[inline(always)]
+fn columns_of(tile: usize, width: usize) -> Range<usize> {
+    let start = tile * TILE.width;
+    start..(start + TILE.width).min(width)
 }
 
 /// How many tiles cover an image.
@@ -121,16 +174,36 @@ const fn tiles(size: Size) -> Size {
     }
 }
 
-/// The least and the largest shift of each tile, in coarse pixels.
+/// The least and the largest shift of each tile and of [`AROUND`] pixels about it, in coarse pixels.
 fn spans(coarse_dx: ArrayView2<'_, f32>, tiles: Size) -> Vec<(f32, f32)> {
-    let mut spans = vec![(f32::INFINITY, f32::NEG_INFINITY); tiles.area()];
-    for (y, row) in coarse_dx.rows().into_iter().enumerate() {
-        let start = 2 * y / TILE.height * tiles.width;
-        let of_row = &mut spans[start..start + tiles.width];
-        for (x, dx) in row.iter().enumerate() {
-            let (least, most) = &mut of_row[2 * x / TILE.width];
-            (*least, *most) = (least.min(*dx), most.max(*dx));
+    let (height, width) = coarse_dx.dim();
+    let reach = |tile: usize, side: usize, end: usize| {
+        let (first, last) = (tile * side / 2, (tile + 1) * side / 2 + AROUND);
+        first.saturating_sub(AROUND).min(end - 1)..last.min(end)
+    };
+    let mut spans = Vec::with_capacity(tiles.area());
+    let (mut least, mut most) = (vec![0.0; width], vec![0.0; width]);
+    for tile_y in 0..tiles.height {
+        least.fill(f32::INFINITY);
+        most.fill(f32::NEG_INFINITY);
+        for row in coarse_dx
+            .slice(s![reach(tile_y, TILE.height, height), ..])
+            .rows()
+        {
+            for ((least, most), dx) in least.iter_mut().zip(&mut most).zip(row) {
+                *least = if *dx < *least { *dx } else { *least };
+                *most = if *dx > *most { *dx } else { *most };
+            }
         }
+        spans.extend((0..tiles.width).map(|tile_x| {
+            let columns = reach(tile_x, TILE.width, width);
+            let least = least[columns.clone()].iter().copied();
+            let most = most[columns].iter().copied();
+            (
+                least.fold(f32::INFINITY, f32::min),
+                most.fold(f32::NEG_INFINITY, f32::max),
+            )
+        }));
     }
     spans
 }
@@ -163,7 +236,7 @@ mod tests {
             let all = search.shifts().next_multiple_of(LANES);
             for y in 0..height {
                 for x in 0..width {
-                    let window = windows.row(y).at(x);
+                    let window = windows.row(y).tile(x / TILE.width).window;
                     prop_assert!(window.places.is_multiple_of(LANES) && window.places <= all);
                     prop_assert!(window.places <= windows.most_places());
                     prop_assert!(window.first == 0 || window.first + window.places <= search.shifts());

@@ -1,3 +1,5 @@
+use std::ops::Range;
+
 use ndarray::{Array2, ArrayView2};
 
 use crate::Validity;
@@ -22,38 +24,25 @@ pub(crate) fn reject_speckles(
         unreachable!("planes are made in row-major order")
     };
     let mut patches = Patches::default();
-    // The run of each pixel of this row and the one above.
-    let mut above = vec![NO_RUN; width];
-    let mut here = vec![NO_RUN; width];
-    let rows = dx.chunks(width).zip(validity.chunks(width));
-    let mut shifts_above: &[f32] = &[];
-    for (y, (shifts, validity)) in rows.enumerate() {
-        let mut run = NO_RUN;
-        for (x, place) in here.iter_mut().enumerate() {
-            if !validity[x].is_valid() {
-                run = NO_RUN;
-            } else if run != NO_RUN && (shifts[x] - shifts[x - 1]).abs() <= STEP_PX {
-                patches.runs[run].length += 1;
-            } else {
-                run = patches.begin(y * width + x);
-            }
-            *place = run;
+    let mut same = vec![false; width];
+    let mut above = 0..0;
+    for (y, (shifts, validity)) in dx.chunks(width).zip(validity.chunks(width)).enumerate() {
+        continues(shifts, validity, &mut same);
+        let here = patches.runs.len();
+        let mut next = 0;
+        while next < width {
+            let Some(skipped) = validity[next..].iter().position(|one| one.is_valid()) else {
+                break;
+            };
+            let start = next + skipped;
+            let length = same[start + 1..].iter().position(|same| !same);
+            let length = 1 + length.unwrap_or(width - 1 - start);
+            patches.begin(y * width + start, length);
+            next = start + length;
         }
-        // Neighbours mostly join what is joined already.
-        let mut joined = (NO_RUN, NO_RUN);
-        for (x, above_shift) in shifts_above.iter().enumerate() {
-            let pair = (above[x], here[x]);
-            if pair.0 != NO_RUN
-                && pair.1 != NO_RUN
-                && pair != joined
-                && (above_shift - shifts[x]).abs() <= STEP_PX
-            {
-                patches.join(pair.0, pair.1);
-                joined = pair;
-            }
-        }
-        std::mem::swap(&mut above, &mut here);
-        shifts_above = shifts;
+        let here = here..patches.runs.len();
+        patches.join_rows(dx, width, above, here.clone());
+        above = here;
     }
     let sizes = patches.sizes();
     for (run, size) in patches.runs.iter().zip(sizes) {
@@ -63,8 +52,14 @@ pub(crate) fn reject_speckles(
     }
 }
 
-/// Stands for the run of a pixel that is in none.
-const NO_RUN: usize = usize::MAX;
+/// Whether each pixel of a row is in the run of the one before it.
+fn continues(shifts: &[f32], validity: &[Validity], same: &mut [bool]) {
+    let pairs = shifts.windows(2).zip(validity.windows(2));
+    for (same, (shifts, validity)) in same[1..].iter_mut().zip(pairs) {
+        let near = (shifts[1] - shifts[0]).abs() <= STEP_PX;
+        *same = near & validity[0].is_valid() & validity[1].is_valid();
+    }
+}
 
 /// Runs along rows, joined to patches.
 #[derive(Debug, Default)]
@@ -80,15 +75,45 @@ struct Run {
     earlier: usize,
 }
 
+impl Run {
+    /// Its first place, and the one after its last.
+    const fn ends(&self) -> (usize, usize) {
+        (self.start, self.start + self.length)
+    }
+}
+
 impl Patches {
-    fn begin(&mut self, start: usize) -> usize {
+    fn begin(&mut self, start: usize, length: usize) {
         let earlier = self.runs.len();
         self.runs.push(Run {
             start,
-            length: 1,
+            length,
             earlier,
         });
-        earlier
+    }
+
+    /// Joins the runs of one row to those of the row above that lie over them, where some pixel's
+    /// shift is near the one above it: mostly the first that both have.
+    fn join_rows(&mut self, dx: &[f32], width: usize, above: Range<usize>, here: Range<usize>) {
+        let mut over = above.start;
+        for run in here {
+            let (start, end) = self.runs[run].ends();
+            while over < above.end && self.runs[over].ends().1 + width <= start {
+                over += 1;
+            }
+            for other in over..above.end {
+                let (first, last) = self.runs[other].ends();
+                let both = start.max(first + width)..end.min(last + width);
+                if both.is_empty() {
+                    break;
+                }
+                let upper = &dx[both.start - width..both.end - width];
+                let mut pairs = dx[both].iter().zip(upper);
+                if pairs.any(|(one, other)| (one - other).abs() <= STEP_PX) {
+                    self.join(run, other);
+                }
+            }
+        }
     }
 
     /// The first run of a patch. What was looked up is nearer next time.

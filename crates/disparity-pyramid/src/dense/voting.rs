@@ -6,7 +6,7 @@ use crate::dense::nearest::nearest;
 use crate::dense::partial_field::{PartialField, is_hidden};
 
 /// Votes that carry an election: more than so many, and more than this part of all.
-const LEAST_VOTES: u32 = 10;
+const LEAST_VOTES: u64 = 10;
 const LEAST_SHARE: f32 = 0.4;
 
 /// Every so many rows of a surface vote: half the time, and rows know what their neighbours know.
@@ -16,86 +16,104 @@ const ROWS: usize = 2;
 const HIDDEN_NEARER_PX: f32 = 1.0;
 
 /// One round in which every pixel without an answer takes the shift that most of its surface has:
-/// the mean of the shifts in the fullest whole-pixel bin. A hidden pixel takes none that is nearer
-/// than what lies behind it.
-pub(crate) fn vote(field: &mut PartialField, arms: &CrossArms<'_>, search: SearchRange) {
-    let (height, width) = field.dx.dim();
-    let bins = bins(field, search);
-    let elected: Vec<Vec<Option<f32>>> = (0..height)
+/// the mean of the shifts in the fullest whole-pixel bin, of equally full ones the farthest. A hidden
+/// pixel takes none that is nearer than what lies behind it.
+pub(crate) fn vote(field: &mut PartialField, arms: &CrossArms, search: SearchRange) {
+    let height = field.dx.nrows();
+    let ballots = ballots(field, search);
+    let elected: Vec<Vec<(usize, f32)>> = (0..height)
         .into_par_iter()
         .map_init(
-            || vec![(0u32, 0.0f32); search.shifts()],
-            |counts, y| {
-                if field.known.row(y).iter().all(|known| *known) {
-                    return vec![None; width];
-                }
-                let behind = field.backgrounds(y);
-                let elected = (0..width).map(|x| {
-                    if field.known[[y, x]] {
-                        return None;
+            || vec![[0; BOXES]; search.shifts() + 1],
+            |boxes, y| {
+                let mut elected = Vec::new();
+                for hole in field.holes(y) {
+                    let behind = hole.behind().unwrap_or(f32::NEG_INFINITY);
+                    for x in hole.columns {
+                        let Some(winner) = elect(arms, &ballots, boxes, (x, y)) else {
+                            continue;
+                        };
+                        let winner = search.least_dx() as f32 + winner;
+                        let seen_by_both = !is_hidden(field.validity[[y, x]]);
+                        if seen_by_both || winner >= behind - HIDDEN_NEARER_PX {
+                            elected.push((x, winner));
+                        }
                     }
-                    let winner = elect(field, arms, &bins, counts, (x, y))?;
-                    let seen_by_both = !is_hidden(field.validity[[y, x]]);
-                    let fits = seen_by_both || winner >= behind[x] - HIDDEN_NEARER_PX;
-                    fits.then_some(winner)
-                });
-                elected.collect()
+                }
+                elected
             },
         )
         .collect();
-    let elected = elected.into_iter().flatten();
-    let kept = field.dx.iter_mut().zip(&mut field.known);
-    for ((dx, known), elected) in kept.zip(elected) {
-        if let Some(elected) = elected {
-            (*dx, *known) = (elected, true);
+    for (y, elected) in elected.into_iter().enumerate() {
+        for (x, winner) in elected {
+            (field.dx[[y, x]], field.known[[y, x]]) = (winner, true);
         }
     }
 }
 
-/// Stands for the bin of a pixel that knows nothing.
-const NO_BIN: u16 = u16::MAX;
-
-/// The whole-pixel bin of every known shift, row-major: told once, as each has many voters.
-fn bins(field: &PartialField, search: SearchRange) -> Vec<u16> {
-    let most = (search.shifts() - 1) as f32;
-    let shifts = field.dx.iter().zip(&field.known);
-    let bin = |(dx, known): (&f32, &bool)| {
-        if *known {
-            (nearest(*dx) - search.least_dx() as f32).clamp(0.0, most) as u16
-        } else {
-            NO_BIN
-        }
-    };
-    shifts.map(bin).collect()
+/// What a pixel says in all elections that it takes part in: the bin of its shift, and where in the
+/// bin the shift lies.
+#[derive(Clone, Copy, Debug)]
+struct Ballot {
+    bin: u16,
+    /// In parts of [`PARTS`], from half a pixel below the bin's own shift on.
+    beyond: u16,
 }
 
-/// The shift that carries the election among the known pixels of a surface. `counts` are the votes
-/// and the sum of the shifts of each bin.
+/// Parts of a pixel that a ballot tells apart.
+const PARTS: f32 = 4096.0;
+
+/// Boxes that ballots are cast into by turns: neighbours mostly vote alike, and the second of them
+/// need not wait for the first to be counted.
+const BOXES: usize = 2;
+
+/// A vote in the upper half of a count; below it the sum of what the ballots say beyond their bin.
+const VOTE: u64 = 1 << 32;
+
+/// The ballot of every pixel, row-major: filled in once, as each is cast many times. Those that know
+/// nothing vote for a bin of their own, after all others.
+fn ballots(field: &PartialField, search: SearchRange) -> Vec<Ballot> {
+    let least = search.least_dx() as f32;
+    let most = (search.shifts() - 1) as f32;
+    let shifts = field.dx.iter().zip(&field.known);
+    let ballot = |(dx, known): (&f32, &bool)| {
+        let bin = nearest(dx - least).clamp(0.0, most);
+        let beyond = (dx - least - bin + 0.5).clamp(0.0, 1.0);
+        Ballot {
+            bin: if *known { bin } else { most + 1.0 } as u16,
+            beyond: (beyond * PARTS + 0.5) as u16,
+        }
+    };
+    shifts.map(ballot).collect()
+}
+
+/// The shift, counted from the least of the search, that carries the election among the known pixels
+/// of a surface. The last of `boxes` takes the ballots of those that know nothing.
 fn elect(
-    field: &PartialField,
-    arms: &CrossArms<'_>,
-    bins: &[u16],
-    counts: &mut [(u32, f32)],
+    arms: &CrossArms,
+    ballots: &[Ballot],
+    boxes: &mut [[u64; BOXES]],
     (x, y): (usize, usize),
 ) -> Option<f32> {
-    let dx = field.dx.as_slice()?;
-    counts.fill((0, 0.0));
-    let (mut votes, mut most, mut fullest) = (0, 0, 0);
+    boxes.fill([0; BOXES]);
     for run in arms.region(x, y).step_by(ROWS) {
-        for (dx, bin) in dx[run.clone()].iter().zip(&bins[run]) {
-            if *bin != NO_BIN {
-                let bin = usize::from(*bin);
-                let (count, sum) = &mut counts[bin];
-                *count += 1;
-                *sum += dx;
-                votes += 1;
-                // Of equally full bins the farthest.
-                if *count > most || (*count == most && bin > fullest) {
-                    (most, fullest) = (*count, bin);
-                }
+        for pair in ballots[run].chunks(BOXES) {
+            for (i, ballot) in pair.iter().enumerate() {
+                boxes[usize::from(ballot.bin)][i] += VOTE + u64::from(ballot.beyond);
             }
         }
     }
+    let (_, known) = boxes.split_last()?;
+    let (mut votes, mut fullest, mut winner) = (0, 0, 0);
+    for (bin, count) in known.iter().enumerate() {
+        let count: u64 = count.iter().sum();
+        votes += count / VOTE;
+        if count / VOTE >= fullest / VOTE {
+            (fullest, winner) = (count, bin);
+        }
+    }
+    let most = fullest / VOTE;
     let carried = most > LEAST_VOTES && most as f32 > LEAST_SHARE * votes as f32;
-    carried.then(|| counts[fullest].1 / most as f32)
+    let beyond = (fullest % VOTE) as f32 / (PARTS * most as f32) - 0.5;
+    carried.then_some(winner as f32 + beyond)
 }
