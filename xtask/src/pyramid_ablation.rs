@@ -107,9 +107,16 @@ pub(crate) fn ablations() -> [Ablation; 17] {
             },
         ),
         without(
-            "nothing, filters stretched by slopes",
+            "the test for lonely patches",
             MatchParams {
-                slants: true,
+                least_patch: 0,
+                ..all
+            },
+        ),
+        without(
+            "filters stretched by slopes",
+            MatchParams {
+                slanted_scales: 0,
                 ..all
             },
         ),

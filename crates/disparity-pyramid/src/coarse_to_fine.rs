@@ -33,7 +33,7 @@ pub(crate) fn coarse_to_fine(
             let finer = if same_grid { double_into } else { expand_into };
             finer(coarser.shifts.dx.view(), &mut shifts.dx);
             finer(coarser.shifts.dy.view(), &mut shifts.dy);
-            if params.slants && scale == 0 {
+            if scale < params.slanted_scales {
                 let planes = (&coarser.shifts.dx, &coarser.shifts.dy);
                 shifts.slopes.measure(planes, step, u32::from(!same_grid));
             } else {

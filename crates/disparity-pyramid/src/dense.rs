@@ -35,7 +35,6 @@ mod row_alignment;
 mod search_range;
 mod search_windows;
 mod slanted_cells;
-mod speckles;
 mod step_penalty;
 mod voting;
 mod wide;

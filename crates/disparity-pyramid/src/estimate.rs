@@ -1,4 +1,4 @@
-use ndarray::Array2;
+use ndarray::{Array2, Zip};
 use v1_gabor::{Binocular, GaborParams, MonogenicParams, Responses, Size, V1Responses, WrongSize};
 
 use crate::coarse_to_fine::coarse_to_fine;
@@ -9,6 +9,7 @@ use crate::refine::{Eyes, refine};
 use crate::shift_covariance::pooled;
 use crate::shifts::Shifts;
 use crate::singular::mark_singular;
+use crate::speckles::reject_speckles;
 use crate::spread::{spread, spread_covariance};
 use crate::{DisparityField, MatchParams, MatchWorkspace};
 
@@ -169,6 +170,7 @@ pub(crate) fn both_ways(
         back: track_back,
         confidence,
         ones,
+        patches,
     } = workspace;
     let there = || coarse_to_fine(track, (grids, 0), (start_x, start_y), params, there);
     let last = params.look_back_scale.min(grids.len() - 1);
@@ -199,6 +201,13 @@ pub(crate) fn both_ways(
         let back = (&workspace.back.levels[last].shifts, last, grids[last]);
         check((found, fitted), confidence, back, (size, tolerance_px));
     }
+    let least = params.least_patch.div_ceil(fitted.step * fitted.step);
+    reject_speckles(found.dx.view(), &mut found.validity, least, patches);
+    Zip::from(&mut *confidence)
+        .and(&found.validity)
+        .for_each(|confidence, validity| {
+            *confidence = if validity.is_valid() { *confidence } else { 0.0 };
+        });
     let fits = found.covariance.take().zip(bank);
     let covariance =
         fits.map(|(fits, bank)| pooled(&fits, &found.validity, (bank, fitted.step), params));

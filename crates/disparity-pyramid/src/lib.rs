@@ -86,6 +86,7 @@ mod shift_covariance;
 mod shifts;
 mod singular;
 mod slopes;
+mod speckles;
 mod spread;
 mod start;
 mod tile;

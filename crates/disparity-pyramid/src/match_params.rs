@@ -20,7 +20,7 @@ pub struct MatchParams {
     /// every one. A filter sees a patch several pixels wide, so that neighbours say nearly the same;
     /// those between take the mean of the ones beside them, or the surer one's shift where these are
     /// two surfaces'. With 2 the whole takes three fifths of the time that it does with 0, and as the
-    /// medians reach twice as far with as many values, it errs less on most scenes (`docs/ablation.md`). [`slants`](Self::slants) fits every pixel.
+    /// medians reach twice as far with as many values, it errs less on most scenes (`docs/ablation.md`).
     pub sparse_scales: usize,
     /// Rounds of robust reweighting of the orientations in each least-squares fit; 0 is the plain
     /// fit of equation 3.
@@ -30,13 +30,14 @@ pub struct MatchParams {
     pub medians: usize,
     /// Half-width of the median filters, in pixels: 1 is 3 x 3, 2 is 5 x 5.
     pub median_radius: MedianRadius,
-    /// Whether the left eye's filters are stretched by the slope of the shifts found so far, up to
-    /// 0.3 px a pixel, as the surface is stretched in the right eye's image. Without it the error of
-    /// either component grows by two fifths of a pixel times its slope: 0.024 px at a slope of 0.06, in
-    /// place of 0.01. Every pixel is fitted then, and it takes several times as long, so it is asked for.
+    /// At how many of the finest scales the right eye's filters are stretched by the slope of the
+    /// coarser scale's shifts, up to 0.3 px a pixel, as the surface is stretched in its image. Without it
+    /// the error of either component grows by two fifths of a pixel times its slope: 0.024 px at a slope of
+    /// 0.06, in place of 0.010 to 0.018 with 1 and 0.007 to 0.016 with all, which takes another fifth of
+    /// the time.
     /// [`estimate_monogenic`](crate::estimate_monogenic) and
     /// [`estimate_population`](crate::estimate_population) do not stretch.
-    pub slants: bool,
+    pub slanted_scales: usize,
     /// Least agreement of the orientations' phases with the fitted shift, from -1 (none heard) to
     /// 1; below it a pixel keeps what the coarser scale said.
     pub least_coherence: f32,
@@ -55,6 +56,11 @@ pub struct MatchParams {
     /// takes a tenth off the time and leaves 1.8 % of the pixels fewer valid on the mean of thirteen
     /// scenes, most of them where the range is large and the way back is then lost itself.
     pub look_back_warps: usize,
+    /// Least number of pixels of a patch of answers, of which neighbours differ by at most a pixel in
+    /// `dx`; smaller ones are chance and become [`Inconsistent`](crate::Validity::Inconsistent). Where
+    /// the search got lost, by a range too large or a surface too steep, a few per cent of the pixels
+    /// still find a match that leads there and back, and their errors are as large as the range.
+    pub least_patch: usize,
     /// Whether the vertical component is held at [`zero_disparity_px`](Self::zero_disparity_px)'s,
     /// for pairs whose rows are known to correspond: each fit then has one unknown,
     /// `dx = sum_q w_q k_x phase_q / sum_q w_q k_x^2`. It takes .01 to .03 px off the error of valid
@@ -99,13 +105,14 @@ impl Default for MatchParams {
             robust_rounds: 1,
             medians: 2,
             median_radius: MedianRadius::Two,
-            slants: false,
+            slanted_scales: 1,
             least_coherence: 0.82,
             vertical_prior: 0.1,
-            fill_neighbours: Some(13),
+            fill_neighbours: Some(12),
             left_right_px: Some(1.5),
             look_back_scale: 1,
             look_back_warps: 2,
+            least_patch: 400,
             rows_only: false,
             singularity_tau: None,
             covariance: false,
@@ -123,6 +130,7 @@ impl MatchParams {
             warps: 1,
             finest_warps: 1,
             sparse_scales: 0,
+            slanted_scales: 0,
             robust_rounds: 0,
             medians: 1,
             median_radius: MedianRadius::One,
@@ -130,6 +138,7 @@ impl MatchParams {
             vertical_prior: 0.0,
             fill_neighbours: None,
             left_right_px: None,
+            least_patch: 0,
             ..Self::default()
         }
     }

@@ -56,7 +56,7 @@ fn settings(which: usize) -> MatchParams {
             ..default
         },
         MatchParams {
-            slants: true,
+            slanted_scales: 6,
             ..default
         },
         MatchParams::as_published(),

@@ -77,8 +77,8 @@ fn every_plane_is_found_to_a_fiftieth_of_a_pixel() {
         (-6.0, 0.5, (0.02, 0.0), (0.0, 0.0)),
         (-6.0, 0.5, (0.0, 0.025), (0.0, 0.0)),
         (-6.0, 0.5, (0.02, 0.02), (0.01, 0.0)),
-        (-6.0, 0.5, (0.045, 0.0), (0.0, 0.0)),
-        (-6.0, 0.5, (0.0, 0.0), (0.0, 0.045)),
+        (-6.0, 0.5, (0.06, 0.0), (0.0, 0.0)),
+        (-6.0, 0.5, (0.0, 0.0), (0.0, 0.06)),
     ];
     for (seed, (dx, dy, slant, tilt)) in (1..).zip(planes) {
         let plane = Plane {
@@ -89,20 +89,12 @@ fn every_plane_is_found_to_a_fiftieth_of_a_pixel() {
         };
         let (along_x, along_y, density) = errors(plane, seed, MatchParams::default());
         // Constant planes are found to 0.003 px; the error grows with the gradient, as each filter
-        // sees several shifts at once, and reaches 0.02 px at a gradient of 0.05.
+        // sees several shifts at once, and reaches 0.018 px at a gradient of 0.06.
         assert!(
             along_x < 0.02 && along_y < 0.02,
             "{plane:?}: {along_x}, {along_y} px"
         );
         assert!(density > 0.98, "{plane:?}: {density}");
-    }
-}
-
-/// The default, with filters that are stretched with the surface.
-fn stretched() -> MatchParams {
-    MatchParams {
-        slants: true,
-        ..MatchParams::default()
     }
 }
 
@@ -125,7 +117,7 @@ fn a_plane_of_up_to_six_percent_is_found_to_a_fiftieth_of_a_pixel() {
         for axis in 0..2 {
             for (seed, slope) in (11..).zip([-0.06, -0.025, 0.025, 0.06]) {
                 let plane = sloping(component, axis, slope);
-                let (along_x, along_y, density) = errors(plane, seed, stretched());
+                let (along_x, along_y, density) = errors(plane, seed, MatchParams::default());
                 assert!(
                     along_x < 0.02 && along_y < 0.02,
                     "{plane:?}: {along_x}, {along_y} px"
@@ -136,22 +128,22 @@ fn a_plane_of_up_to_six_percent_is_found_to_a_fiftieth_of_a_pixel() {
     }
 }
 
-/// Filters that are stretched with the surface leave less than half of the error in the sloping
+/// Filters that are stretched with the surface leave less than two thirds of the error in the sloping
 /// component that those leave which are not, and at most a thousandth more where there is
-/// no slope. Both are fitted at every pixel.
+/// no slope.
 #[test]
 fn stretched_filters_follow_a_slope() {
     let both = |plane, seed| {
-        let every = MatchParams {
-            sparse_scales: 0,
+        let stiff = MatchParams {
+            slanted_scales: 0,
             ..MatchParams::default()
         };
-        let with = errors(plane, seed, stretched());
-        (with, errors(plane, seed, every))
+        let with = errors(plane, seed, MatchParams::default());
+        (with, errors(plane, seed, stiff))
     };
     for axis in 0..2 {
         let (with, without) = both(sloping(0, axis, 0.06), 3);
-        assert!(with.0 < 0.5 * without.0, "{axis}: {with:?} {without:?}");
+        assert!(with.0 < 0.65 * without.0, "{axis}: {with:?} {without:?}");
     }
     let (with, without) = both(sloping(0, 0, 0.0), 3);
     assert!(with.0 < without.0 + 1e-3 && with.1 < without.1 + 1e-3);

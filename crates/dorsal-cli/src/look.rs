@@ -148,7 +148,11 @@ fn plan(arguments: &LookArguments, size: Size) -> anyhow::Result<Plan> {
             // The command line speaks the sign of files.
             zero_disparity_px: (0.0 - arguments.zero_disparity.unwrap_or(0.0), 0.0),
             rows_only: arguments.rows_only,
-            slants: arguments.slants,
+            slanted_scales: if arguments.slants {
+                scales
+            } else {
+                steps.slanted_scales
+            },
             singularity_tau: arguments.singularity_tau,
             // The look writes it.
             covariance: true,

@@ -109,8 +109,8 @@ pub(crate) struct LookArguments {
     #[arg(long)]
     pub(crate) rows_only: bool,
 
-    /// Stretch the left eye's filters along the slopes that are found: planes of 6 % come out three times
-    /// better, others a little; two to three times the time
+    /// Stretch filters along the slopes that are found at every scale, in place of the finest alone:
+    /// slanted planes come out a little better; a fifth more time
     #[arg(long)]
     pub(crate) slants: bool,
 

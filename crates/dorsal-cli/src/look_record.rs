@@ -88,7 +88,7 @@ pub(crate) struct Matching {
     left_right_px: Option<f32>,
     look_back_warps: usize,
     rows_only: bool,
-    slants: bool,
+    slanted_scales: usize,
     singularity_tau: Option<f32>,
 }
 
@@ -228,7 +228,7 @@ impl Matching {
             left_right_px: params.left_right_px,
             look_back_warps: params.look_back_warps,
             rows_only: params.rows_only,
-            slants: params.slants,
+            slanted_scales: params.slanted_scales,
             singularity_tau: params.singularity_tau,
         }
     }

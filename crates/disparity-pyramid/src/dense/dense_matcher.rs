@@ -18,10 +18,10 @@ use crate::dense::pixel_cost::PixelCost;
 use crate::dense::search_range::SearchRange;
 use crate::dense::search_windows::SearchWindows;
 use crate::dense::slanted_cells::fit_surfaces;
-use crate::dense::speckles::reject_speckles;
 use crate::dense::step_penalty::StepPenalty;
 use crate::dense::voting::vote;
 use crate::median::median_of_known;
+use crate::speckles::{Patches, reject_speckles};
 use crate::{DisparityField, MedianRadius, Validity};
 
 /// The dense epipolar estimator, planned for images of one size: a disparity at every pixel of a
@@ -280,7 +280,8 @@ impl DenseMatcher {
                     *validity = Validity::NoEnergy;
                 }
             });
-        reject_speckles(dx.view(), &mut validity, self.params.least_patch);
+        let least = self.params.least_patch;
+        reject_speckles(dx.view(), &mut validity, least, &mut Patches::default());
         validity
     }
 

@@ -7,27 +7,46 @@ use crate::Validity;
 /// The largest difference in shift of two neighbours of one patch, in pixels.
 const STEP_PX: f32 = 1.0;
 
-/// Patches of valid pixels whose shifts change by at most a pixel from neighbour to neighbour and
-/// that have fewer than `least` pixels are chance: they become inconsistent.
-///
-/// Patches are put together from runs along the rows, of which there are few.
+/// Patches of valid pixels whose shifts change by at most a pixel from neighbour to neighbour, put
+/// together from runs along the rows, of which there are few. Kept from one field to the next.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Patches {
+    runs: Vec<Run>,
+    /// Whether each pixel of a row is in the run of the one before it.
+    same: Vec<bool>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Run {
+    start: u32,
+    length: u32,
+    /// An earlier run of the patch, or itself if it is the first.
+    earlier: u32,
+    /// The pixels of the patch, at its first run.
+    size: u32,
+}
+
+/// Patches that have fewer than `least` pixels are chance: they become inconsistent.
 pub(crate) fn reject_speckles(
     dx: ArrayView2<'_, f32>,
     validity: &mut Array2<Validity>,
     least: usize,
+    patches: &mut Patches,
 ) {
     if least < 2 {
         return;
     }
-    let width = dx.ncols();
+    let (height, width) = dx.dim();
     let (Some(dx), Some(validity)) = (dx.to_slice(), validity.as_slice_mut()) else {
         unreachable!("planes are made in row-major order")
     };
-    let mut patches = Patches::default();
-    let mut same = vec![false; width];
+    // As many runs as there can be, so that the next field finds room whatever it holds.
+    patches.runs.clear();
+    patches.runs.reserve(height * width.div_ceil(2));
+    patches.same.resize(width, false);
     let mut above = 0..0;
     for (y, (shifts, validity)) in dx.chunks(width).zip(validity.chunks(width)).enumerate() {
-        continues(shifts, validity, &mut same);
+        continues(shifts, validity, &mut patches.same);
         let here = patches.runs.len();
         let mut next = 0;
         while next < width {
@@ -35,7 +54,7 @@ pub(crate) fn reject_speckles(
                 break;
             };
             let start = next + skipped;
-            let length = same[start + 1..].iter().position(|same| !same);
+            let length = patches.same[start + 1..].iter().position(|same| !same);
             let length = 1 + length.unwrap_or(width - 1 - start);
             patches.begin(y * width + start, length);
             next = start + length;
@@ -44,10 +63,12 @@ pub(crate) fn reject_speckles(
         patches.join_rows(dx, width, above, here.clone());
         above = here;
     }
-    let sizes = patches.sizes();
-    for (run, size) in patches.runs.iter().zip(sizes) {
-        if size < least {
-            validity[run.start..run.start + run.length].fill(Validity::Inconsistent);
+    patches.measure();
+    for run in 0..patches.runs.len() {
+        let first = patches.first(run);
+        if (patches.runs[first].size as usize) < least {
+            let (start, end) = patches.runs[run].ends();
+            validity[start..end].fill(Validity::Inconsistent);
         }
     }
 }
@@ -61,34 +82,20 @@ fn continues(shifts: &[f32], validity: &[Validity], same: &mut [bool]) {
     }
 }
 
-/// Runs along rows, joined to patches.
-#[derive(Debug, Default)]
-struct Patches {
-    runs: Vec<Run>,
-}
-
-#[derive(Debug)]
-struct Run {
-    start: usize,
-    length: usize,
-    /// An earlier run of the patch, or itself if it is the first.
-    earlier: usize,
-}
-
 impl Run {
     /// Its first place, and the one after its last.
     const fn ends(&self) -> (usize, usize) {
-        (self.start, self.start + self.length)
+        (self.start as usize, (self.start + self.length) as usize)
     }
 }
 
 impl Patches {
     fn begin(&mut self, start: usize, length: usize) {
-        let earlier = self.runs.len();
         self.runs.push(Run {
-            start,
-            length,
-            earlier,
+            start: start as u32,
+            length: length as u32,
+            earlier: self.runs.len() as u32,
+            size: 0,
         });
     }
 
@@ -118,29 +125,27 @@ impl Patches {
 
     /// The first run of a patch. What was looked up is nearer next time.
     fn first(&mut self, mut run: usize) -> usize {
-        while self.runs[run].earlier != run {
-            let earlier = self.runs[run].earlier;
+        loop {
+            let earlier = self.runs[run].earlier as usize;
+            if earlier == run {
+                return run;
+            }
             self.runs[run].earlier = self.runs[earlier].earlier;
             run = earlier;
         }
-        run
     }
 
     fn join(&mut self, one: usize, other: usize) {
         let (one, other) = (self.first(one), self.first(other));
-        self.runs[one.max(other)].earlier = one.min(other);
+        self.runs[one.max(other)].earlier = one.min(other) as u32;
     }
 
-    /// The pixels of each run's patch.
-    fn sizes(&mut self) -> Vec<usize> {
-        let mut sizes = vec![0; self.runs.len()];
+    /// Counts the pixels of each patch.
+    fn measure(&mut self) {
         for run in 0..self.runs.len() {
-            let first = self.first(run);
-            sizes[first] += self.runs[run].length;
+            let (first, length) = (self.first(run), self.runs[run].length);
+            self.runs[first].size += length;
         }
-        (0..self.runs.len())
-            .map(|run| sizes[self.first(run)])
-            .collect()
     }
 }
 
@@ -150,8 +155,7 @@ mod tests {
 
     use super::*;
 
-    /// The twin of [`reject_speckles`]: patches grow from pixel to pixel. Patches of valid pixels whose shifts change by at most a pixel from neighbour to neighbour and
-    /// that have fewer than `least` pixels are chance: they become inconsistent.
+    /// The twin of [`reject_speckles`]: patches grow from pixel to pixel. It takes time, but is plain.
     fn reject_by_flood(dx: ArrayView2<'_, f32>, validity: &mut Array2<Validity>, least: usize) {
         if least < 2 {
             return;
@@ -221,7 +225,7 @@ mod tests {
                 _ => Validity::Valid,
             });
             let (mut runs, mut floods) = (validity.clone(), validity);
-            reject_speckles(dx.view(), &mut runs, least);
+            reject_speckles(dx.view(), &mut runs, least, &mut Patches::default());
             reject_by_flood(dx.view(), &mut floods, least);
             prop_assert_eq!(runs, floods);
         }
@@ -236,7 +240,7 @@ mod tests {
         }
         let mut validity = Array2::from_elem((8, 8), Validity::Valid);
         validity[[7, 7]] = Validity::Occluded;
-        reject_speckles(dx.view(), &mut validity, 5);
+        reject_speckles(dx.view(), &mut validity, 5, &mut Patches::default());
         for ((y, x), found) in validity.indexed_iter() {
             let want = match (y, x) {
                 (7, 7) => Validity::Occluded,
@@ -245,7 +249,7 @@ mod tests {
             };
             assert_eq!(*found, want, "at ({x}, {y})");
         }
-        reject_speckles(dx.view(), &mut validity, 0);
+        reject_speckles(dx.view(), &mut validity, 0, &mut Patches::default());
         assert_eq!(validity[[0, 0]], Validity::Valid);
     }
 }
