@@ -33,7 +33,7 @@ unsafe impl GlobalAlloc for Counting {
 static ALLOCATOR: Counting = Counting;
 
 /// With 128 shifts: at 1024 x 768 at most 110 bytes a pixel for `fast` and 330 for `best`, the
-/// answer included (43 and 66 measured). Two thirds of that size, as a test should be quick, and a little less room, as
+/// answer included. Two thirds of that size, as a test should be quick, and a little less room, as
 /// rows are padded by the search.
 #[test]
 fn memory_is_bounded() {
