@@ -38,6 +38,7 @@ mod eval_depth;
 mod eval_flow;
 mod eval_middlebury;
 mod eval_robustness;
+mod eval_rooms;
 mod eval_scan;
 mod eval_segment;
 mod eval_vergent;
@@ -70,6 +71,7 @@ mod robustness_marks;
 mod robustness_page;
 mod robustness_run;
 mod robustness_series;
+mod room_run;
 mod rows_only;
 mod scan_run;
 mod score;
@@ -119,6 +121,7 @@ enum Task {
     #[command(name = "compare-opencv")]
     CompareOpencv(compare_opencv::Options),
     EvalRobustness(eval_robustness::Options),
+    EvalRooms(eval_rooms::Options),
     EvalSegment(eval_segment::Options),
     EvalScan(eval_scan::Options),
     EvalVergent(eval_vergent::Options),
@@ -143,6 +146,7 @@ fn main() -> ExitCode {
         Task::CalculusResults(options) => calculus_results::run(&options),
         Task::CompareOpencv(options) => compare_opencv::run(&options),
         Task::EvalRobustness(options) => eval_robustness::run(&options),
+        Task::EvalRooms(options) => eval_rooms::run(&options),
         Task::EvalSegment(options) => eval_segment::run(&options),
         Task::EvalScan(options) => eval_scan::run(&options),
         Task::EvalVergent(options) => eval_vergent::run(&options),

@@ -206,7 +206,11 @@ pub(crate) fn both_ways(
     Zip::from(&mut *confidence)
         .and(&found.validity)
         .for_each(|confidence, validity| {
-            *confidence = if validity.is_valid() { *confidence } else { 0.0 };
+            *confidence = if validity.is_valid() {
+                *confidence
+            } else {
+                0.0
+            };
         });
     let fits = found.covariance.take().zip(bank);
     let covariance =

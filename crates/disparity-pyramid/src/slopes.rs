@@ -66,9 +66,8 @@ impl Slopes {
             .for_each(|(y, out)| {
                 let (above, below) = (y.saturating_sub(1), (y + 1).min(height - 1));
                 let per_y = 1.0 / ((below - above).max(1) * step) as f32;
-                let rows = planes.map(|plane| {
-                    [above, y, below].map(|row| &plane[row * width..][..width])
-                });
+                let rows =
+                    planes.map(|plane| [above, y, below].map(|row| &plane[row * width..][..width]));
                 for (x, out) in out.iter_mut().enumerate() {
                     let (before, after) = (x.saturating_sub(1), (x + 1).min(width - 1));
                     let per_x = 1.0 / ((after - before).max(1) * step) as f32;
@@ -79,7 +78,9 @@ impl Slopes {
                         (y_here[after] - y_here[before]) * per_x,
                         (y_below[x] - y_above[x]) * per_y,
                     ];
-                    let steepest = slopes.iter().fold(0.0f32, |most, slope| most.max(slope.abs()));
+                    let steepest = slopes
+                        .iter()
+                        .fold(0.0f32, |most, slope| most.max(slope.abs()));
                     let surface = (LEAST..STEEPEST).contains(&steepest);
                     *out = if surface { slopes } else { [0.0; 4] };
                 }

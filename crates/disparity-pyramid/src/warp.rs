@@ -201,10 +201,7 @@ impl<'a> Warp<'a> {
             rise_odd = simd.mul_add_e_f32s(re, sin, rise_odd);
             rise_odd = simd.mul_add_e_f32s(im, cos, rise_odd);
         }
-        (
-            simd.sub_f32s(even, rise_odd),
-            simd.add_f32s(odd, rise_even),
-        )
+        (simd.sub_f32s(even, rise_odd), simd.add_f32s(odd, rise_even))
     }
 
     /// The turn `k_q.beyond` that [`read`](Self::read) leaves out, in radians, for the orientations
