@@ -97,7 +97,7 @@ pub(crate) struct PointRig {
     pub(crate) before: Option<Depths>,
     pub(crate) after: Option<Depths>,
     /// The same if the right centre is not held, and yaw expected as usual.
-    pub(crate) after_unheld: Option<Depths>,
+    pub(crate) after_turned: Option<Depths>,
     pub(crate) found: Found,
 }
 
@@ -224,8 +224,8 @@ impl CalibrationRun {
             "points",
             "published",
             "put out",
+            "recalibrated",
             "recalibrated, centre on a bar",
-            "recalibrated, nothing known",
         ]);
         for row in self.points.iter().filter(|row| row.published.is_some()) {
             let points = row.published.map_or(0, |depths| depths.points);
@@ -235,7 +235,7 @@ impl CalibrationRun {
                 Depths::words(row.published),
                 Depths::words(row.before),
                 Depths::words(row.after),
-                Depths::words(row.after_unheld),
+                Depths::words(row.after_turned),
             ]);
         }
         table
@@ -295,14 +295,13 @@ impl CalibrationRun {
                     1e3 * ninetieth_m,
                     "mm",
                 );
-                if let Some(after) = row.after {
-                    let median = 1e3 * after.median_m;
-                    mark(
-                        what("recalibrated, median"),
-                        median,
-                        1e3 * RECALIBRATED_M,
-                        "mm",
-                    );
+                let recalibrated = [
+                    ("recalibrated, median", row.after),
+                    ("recalibrated on a bar, median", row.after_turned),
+                ];
+                for (way, after) in recalibrated {
+                    let median_m = after.map_or(f64::INFINITY, |after| after.median_m);
+                    mark(what(way), 1e3 * median_m, 1e3 * RECALIBRATED_M, "mm");
                 }
             } else if let Some(px) = row.misaligned_after_px {
                 let what = format!("{}, residual at the corners", row.scene);
@@ -347,8 +346,8 @@ impl CalibrationRun {
             "# Rigs calibrated from their own images\n\n\
              Written by `{COMMAND}`; edits by hand are lost.\n\n\
              - date: {}\n- machine: {}, {} cores\n- compiler: {}, {} build\n\n\
-             The vector disparity of a pair, its start found by a coarse look, goes into \
-             `egocentric_depth::relative_orientation`; nothing else is known but the rig that is written \
+             The vector disparity of a pair, matched for it (`OrientationParams::matching`), its start found by a \
+             coarse look, goes into `egocentric_depth::relative_orientation`; nothing else is known but the rig that is written \
              in the second column. Angles in degrees.\n\n{self}",
             self.date, self.machine.cpu, self.machine.cores, self.machine.rustc, self.machine.build
         )
@@ -368,11 +367,10 @@ impl fmt::Display for CalibrationRun {
              error, and the median distance of the reference points from their epipolar lines.\n\n{}\n\
              ## Depth at the reference points\n\n\
              Median and 90th percentile of the absolute error along the left optical axis, mm, from the \
-             vector disparity at the pixel nearest to each point, where it is valid. With the centre **on a bar** the \
-             eye has turned by anything and moved by a thousandth of the baseline at most (`OrientationParams::TURNED`, \
-             `dorsal calibrate --turned`); with **nothing known** it may also \
-             have moved by a hundredth of it, and its yaw is expected to be right to half a degree, \
-             which here it is not.\n\n{}\n\
+             vector disparity at the pixel nearest to each point, where it is valid. **Recalibrated** expects what \
+             `dorsal calibrate` does (`OrientationParams::SIGMA`): nothing of pitch and roll, yaw to a degree, \
+             the centre to a hundredth of the baseline. **With the centre on a bar** the eye has turned by anything \
+             and moved by a thousandth of the baseline at most (`OrientationParams::TURNED`, `--turned`).\n\n{}\n\
              ## Marks\n\n{}",
             self.injected_table(),
             self.turn_table(),

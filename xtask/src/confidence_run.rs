@@ -26,13 +26,76 @@ const LEVELS: [(f64, f64); 6] = [
     (99.0, 2.5758),
 ];
 
+/// What finds disparities.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub(crate) enum Source {
+    Vector,
+    DenseBest,
+    DenseFast,
+}
+
+impl Source {
+    pub(crate) const ALL: [Self; 3] = [Self::Vector, Self::DenseBest, Self::DenseFast];
+
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Vector => "vector pyramid",
+            Self::DenseBest => "dense estimator, best",
+            Self::DenseFast => "dense estimator, fast",
+        }
+    }
+
+    /// The file of its reliability diagrams.
+    const fn picture(self) -> &'static str {
+        match self {
+            Self::Vector => "confidence.svg",
+            Self::DenseBest => "confidence-dense-best.svg",
+            Self::DenseFast => "confidence-dense-fast.svg",
+        }
+    }
+
+    /// The sigma that the library holds.
+    pub(crate) const fn library(self) -> DisparitySigma {
+        match self {
+            Self::Vector => DisparitySigma::VECTOR,
+            Self::DenseBest => DisparitySigma::DENSE_BEST,
+            Self::DenseFast => DisparitySigma::DENSE_FAST,
+        }
+    }
+
+    /// A sigma of the same kind.
+    const fn sigma(self, curve: [f64; DisparitySigma::KNOTS]) -> DisparitySigma {
+        match self {
+            Self::Vector => DisparitySigma::of_vectors(curve),
+            Self::DenseBest | Self::DenseFast => DisparitySigma::along_rows(curve),
+        }
+    }
+
+    /// The ways that are compared; the last one is the library's.
+    fn ways(self) -> Vec<&'static Way> {
+        let wanted = |way: &&Way| self == Self::Vector || !way.fitted;
+        let mut ways: Vec<_> = WAYS.iter().filter(wanted).collect();
+        // The library's comes last.
+        ways.sort_by_key(|way| way.name == self.own());
+        ways
+    }
+
+    /// The name of the library's way.
+    const fn own(self) -> &'static str {
+        match self {
+            Self::Vector => BY_ROUGHNESS,
+            Self::DenseBest | Self::DenseFast => BY_ITS_CUBE_ROOT,
+        }
+    }
+}
+
 /// A valid pixel: its error, and what may foretell it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pixel {
     /// Absolute error of the horizontal disparity.
     pub(crate) error_px: f32,
     pub(crate) confidence: f32,
-    /// One standard deviation of `dx` by the covariance of the fit.
+    /// One standard deviation of `dx` by the covariance of the fit; NaN without one.
     pub(crate) sigma_dx_px: f32,
     /// How far `dx` is from those of its neighbours.
     pub(crate) scatter_px: f32,
@@ -55,49 +118,68 @@ struct Way {
     /// One feature, or two of which every pair of values has its own error.
     features: &'static [fn(&Pixel) -> f32],
     scale: fn(&Sample) -> f64,
+    /// Whether it asks for the covariance of a fit, which only vectors have.
+    fitted: bool,
 }
 
-/// The ways that are compared. The last one is the library's.
-const WAYS: [Way; 8] = [
+const BY_ROUGHNESS: &str = "confidence, scenes by their roughness";
+const BY_ITS_CUBE_ROOT: &str = "confidence, scenes by the cube root of their roughness";
+
+/// The ways that are compared.
+const WAYS: [Way; 9] = [
     Way {
         name: "confidence",
         features: &[|pixel| pixel.confidence],
         scale: |_| 1.0,
+        fitted: false,
     },
     Way {
         name: "covariance of the fit",
         features: &[|pixel| pixel.sigma_dx_px],
         scale: |_| 1.0,
+        fitted: true,
     },
     Way {
         name: "confidence and covariance together",
         features: &[|pixel| pixel.confidence, |pixel| pixel.sigma_dx_px],
         scale: |_| 1.0,
+        fitted: true,
     },
     Way {
         name: "scatter among the neighbours",
         features: &[|pixel| pixel.scatter_px],
         scale: |_| 1.0,
+        fitted: false,
     },
     Way {
         name: "confidence and scatter together",
         features: &[|pixel| pixel.confidence, |pixel| pixel.scatter_px],
         scale: |_| 1.0,
+        fitted: false,
     },
     Way {
         name: "confidence, scenes by their unanswered pixels",
         features: &[|pixel| pixel.confidence],
         scale: |sample| sample.unanswered,
+        fitted: false,
     },
     Way {
         name: "confidence, scenes by the square root of their roughness",
         features: &[|pixel| pixel.confidence],
         scale: |sample| sample.roughness_px.sqrt(),
+        fitted: false,
     },
     Way {
-        name: "confidence, scenes by their roughness (the library's)",
+        name: BY_ITS_CUBE_ROOT,
+        features: &[|pixel| pixel.confidence],
+        scale: |sample| sample.roughness_px.cbrt(),
+        fitted: false,
+    },
+    Way {
+        name: BY_ROUGHNESS,
         features: &[|pixel| pixel.confidence],
         scale: |sample| sample.roughness_px,
+        fitted: false,
     },
 ];
 
@@ -123,45 +205,95 @@ struct LeftOut {
     held_by_library: f64,
 }
 
-/// One fit, and how it does on scenes that it has not seen.
+/// Fits, and how they do on scenes that they have not seen.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct ConfidenceRun {
     schema: &'static str,
     date: String,
     machine: Machine,
     command: &'static str,
-    /// The fit to all scenes: sigma over roughness at [`DisparitySigma::CONFIDENCES`].
-    per_roughness: [f64; DisparitySigma::KNOTS],
+    sources: Vec<Fitted>,
+}
+
+/// The fit of one source.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct Fitted {
+    source: Source,
+    /// The fit to all scenes at [`DisparitySigma::CONFIDENCES`].
+    curve: [f64; DisparitySigma::KNOTS],
     tried: Vec<Tried>,
     left_out: Vec<LeftOut>,
 }
 
 impl ConfidenceRun {
-    pub(crate) fn fit(date: String, machine: Machine, samples: &[Sample]) -> Self {
-        let own = |sample: &Sample| sample.roughness_px;
+    /// `samples` are those of each source, in the order of [`Source::ALL`].
+    pub(crate) fn fit(
+        date: String,
+        machine: Machine,
+        samples: &[Vec<Sample>; Source::ALL.len()],
+    ) -> Self {
+        let sources = Source::ALL.into_iter().zip(samples);
+        Self {
+            schema: "dorsal-confidence/3",
+            date,
+            machine,
+            command: COMMAND,
+            sources: sources
+                .map(|(source, samples)| Fitted::of(source, samples))
+                .collect(),
+        }
+    }
+
+    /// The reliability diagrams and the names of their files.
+    pub(crate) fn pictures(&self) -> impl Iterator<Item = (&'static str, String)> + '_ {
+        let sources = self.sources.iter();
+        sources.map(|fitted| (fitted.source.picture(), fitted.picture()))
+    }
+
+    /// The marks that are missed, in a sentence; `None` if all hold.
+    pub(crate) fn missed(&self) -> Option<String> {
+        let missed: Vec<String> = self.sources.iter().filter_map(Fitted::missed).collect();
+        (!missed.is_empty()).then(|| missed.join("; "))
+    }
+
+    /// The page for the documentation.
+    pub(crate) fn page(&self) -> String {
+        let machine = &self.machine;
+        format!(
+            "# What a confidence is worth in pixels\n\nWritten by `{COMMAND}`; edits by hand are lost.\n\n\
+             - date: {}\n- machine: {}, {} cores\n- compiler: {}, {} build\n\n{self}",
+            self.date, machine.cpu, machine.cores, machine.rustc, machine.build
+        )
+    }
+}
+
+impl Fitted {
+    fn of(source: Source, samples: &[Sample]) -> Self {
+        let library = source.library();
+        let scale = |sample: &Sample| library.scale(sample.roughness_px);
+        let fit_to =
+            |samples: &mut dyn Iterator<Item = &Sample>| source.sigma(fit(samples, &scale));
         let left_out = samples
             .iter()
             .map(|sample| {
                 let others = || samples.iter().filter(|other| other.scene != sample.scene);
-                let model = fit(others(), own);
-                let by_confidence = fit(others(), |_| 1.0);
+                let model = fit_to(&mut others());
+                let by_confidence = DisparitySigma::of_vectors(fit(&mut others(), &|_| 1.0));
+                let within = |model: &DisparitySigma, roughness_px, half| {
+                    within(sample, model, roughness_px, half)
+                };
+                let own = sample.roughness_px;
                 LeftOut {
                     scene: sample.scene.clone(),
                     pixels: sample.pixels.len(),
-                    roughness_px: sample.roughness_px,
-                    held: LEVELS.map(|(_, half)| within(sample, &model, own(sample), half)),
-                    held_by_confidence: LEVELS
-                        .map(|(_, half)| within(sample, &by_confidence, 1.0, half)),
-                    held_by_library: within(
-                        sample,
-                        &DisparitySigma::default(),
-                        own(sample),
-                        HALF_95,
-                    ),
+                    roughness_px: own,
+                    held: LEVELS.map(|(_, half)| within(&model, own, half)),
+                    held_by_confidence: LEVELS.map(|(_, half)| within(&by_confidence, 1.0, half)),
+                    held_by_library: within(&library, own, HALF_95),
                 }
             })
             .collect();
-        let tried = WAYS.iter().map(|way| Tried {
+        let tried = source.ways().into_iter().map(|way| Tried {
             way: way.name,
             held: samples
                 .iter()
@@ -169,11 +301,8 @@ impl ConfidenceRun {
                 .collect(),
         });
         Self {
-            schema: "dorsal-confidence/2",
-            date,
-            machine,
-            command: COMMAND,
-            per_roughness: fit(samples.iter(), own).per_roughness(),
+            source,
+            curve: fit(&mut samples.iter(), &scale),
             left_out,
             tried: tried.collect(),
         }
@@ -188,10 +317,13 @@ impl ConfidenceRun {
     const NINETY_FIVE: usize = 4;
 
     fn fit_table(&self) -> MarkdownTable {
-        let mut table =
-            MarkdownTable::new(["confidence", "sigma over roughness", "in the library"]);
-        let library = DisparitySigma::default().per_roughness();
-        let knots = DisparitySigma::CONFIDENCES.iter().zip(self.per_roughness);
+        let mut table = MarkdownTable::new([
+            "confidence",
+            "sigma at a roughness of 1 px",
+            "in the library",
+        ]);
+        let library = self.source.library().curve();
+        let knots = DisparitySigma::CONFIDENCES.iter().zip(self.curve);
         for ((confidence, sigma), library) in knots.zip(library) {
             table.push([
                 format!("{confidence:.2}"),
@@ -236,7 +368,11 @@ impl ConfidenceRun {
             };
             let inside = held.iter().filter(|held| is_inside(**held)).count();
             table.push([
-                (*way).to_owned(),
+                if *way == self.source.own() {
+                    format!("{way} (the library's)")
+                } else {
+                    (*way).to_owned()
+                },
                 format!("{:.1}", mean(&|held| held)),
                 format!("{:.1}", held.iter().copied().fold(f64::INFINITY, f64::min)),
                 format!("{:.1}", held.iter().copied().fold(0.0, f64::max)),
@@ -248,7 +384,7 @@ impl ConfidenceRun {
     }
 
     /// The reliability diagrams, one a scene: claimed against held.
-    pub(crate) fn picture(&self) -> String {
+    fn picture(&self) -> String {
         let claimed = LEVELS.map(|(share, _)| share);
         let line = |held: [f64; LEVELS.len()]| claimed.into_iter().zip(held).collect();
         let diagrams = self.left_out.iter().map(|row| Diagram {
@@ -256,7 +392,10 @@ impl ConfidenceRun {
             curves: vec![line(row.held), line(row.held_by_confidence), line(claimed)],
         });
         curve_svg::encode(&Sheet {
-            title: "held against claimed, per cent, on scenes that were left out".to_owned(),
+            title: format!(
+                "{}: held against claimed, per cent, on scenes that were left out",
+                self.source.name()
+            ),
             names: ["with roughness", "without", "as claimed"]
                 .map(str::to_owned)
                 .to_vec(),
@@ -296,20 +435,12 @@ impl ConfidenceRun {
     }
 
     /// The mark in a sentence if it is missed.
-    pub(crate) fn missed(&self) -> Option<String> {
+    fn missed(&self) -> Option<String> {
         let mean = self.mean(Self::NINETY_FIVE);
-        let holds = (MARK.0..=MARK.1).contains(&mean);
-        (!holds).then(|| format!("a 95 % interval holds the truth in {mean:.1} %"))
-    }
-
-    /// The page for the documentation.
-    pub(crate) fn page(&self) -> String {
-        let machine = &self.machine;
-        format!(
-            "# What a confidence is worth in pixels\n\nWritten by `{COMMAND}`; edits by hand are lost.\n\n\
-             - date: {}\n- machine: {}, {} cores\n- compiler: {}, {} build\n\n{self}",
-            self.date, machine.cpu, machine.cores, machine.rustc, machine.build
-        )
+        (!is_inside(mean)).then(|| {
+            let name = self.source.name();
+            format!("{name}: a 95 % interval holds the truth in {mean:.1} %")
+        })
     }
 }
 
@@ -368,11 +499,10 @@ impl Way {
 }
 
 /// The part of the pixels of a scene within a number of sigmas, per cent.
-fn within(sample: &Sample, model: &DisparitySigma, scale: f64, half: f64) -> f64 {
-    let held = sample
-        .pixels
-        .iter()
-        .filter(|pixel| f64::from(pixel.error_px) <= half * model.px(pixel.confidence, scale));
+fn within(sample: &Sample, model: &DisparitySigma, roughness_px: f64, half: f64) -> f64 {
+    let held = sample.pixels.iter().filter(|pixel| {
+        f64::from(pixel.error_px) <= half * model.px(pixel.confidence, roughness_px)
+    });
     100.0 * held.count() as f64 / sample.pixels.len() as f64
 }
 
@@ -380,9 +510,9 @@ fn within(sample: &Sample, model: &DisparitySigma, scale: f64, half: f64) -> f64
 /// keep within, in units of their scene's scale, as the standard deviation of a normal distribution
 /// that has it; never growing with confidence.
 fn fit<'a>(
-    samples: impl Iterator<Item = &'a Sample>,
-    scale: impl Fn(&Sample) -> f64,
-) -> DisparitySigma {
+    samples: &mut dyn Iterator<Item = &'a Sample>,
+    scale: &dyn Fn(&Sample) -> f64,
+) -> [f64; DisparitySigma::KNOTS] {
     let knots = DisparitySigma::CONFIDENCES;
     let mut bins: Vec<Vec<(f32, f64)>> = vec![Vec::new(); knots.len()];
     for sample in samples {
@@ -417,35 +547,46 @@ fn fit<'a>(
         least = least.max(*sigma);
         *sigma = least;
     }
-    DisparitySigma::new(sigma)
+    sigma
 }
 
 impl fmt::Display for ConfidenceRun {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "The vector pyramid with its defaults on every rectified pair whose truth is finer than a pixel, \
+            "Each estimator with its defaults on every rectified pair whose truth is finer than a pixel, \
              over its valid pixels of known truth, hidden ones among them (some 60,000 a pair, evenly). \
              `DisparitySigma` is a curve over the confidence, times the roughness of the field \
-             (`roughness_px`): how far nine in ten of its shifts are from their neighbours, at most. Its sigma is \
-             the error that 95 % of the pixels keep within, over 1.96; every scene counts alike. Between the \
-             knots it is read linearly.\n\n{}\n\
-             ## Reliability\n\n\
-             Each scene as the fit to all others sees it: how many per cent of its pixels lie within the \
-             interval that a normal distribution of that sigma claims. Errors have heavier tails than a \
-             normal distribution, so a fit that is right at 95 % claims too much width below.\n\n{}\n{}\n\n\
-             ![claimed against held, scene by scene, with and without the roughness](pictures/confidence.svg)\n\n\
-             ## What was tried\n\n\
-             Per cent of the pixels within 95 % of scenes that were left out. Every way has its own table of \
-             errors over bins of as many pixels each, twelve of one feature or eight by eight of two; some \
-             scale a scene's errors by a number that the scene tells of itself. No feature of single pixels \
+             (`roughness_px`): how far nine in ten of its shifts are from their neighbours, at most. The dense \
+             estimator follows edges, which make a field rough and little worse: there the cube root of the \
+             roughness of `dx` counts. Sigma is the error that 95 % of the pixels keep within, over 1.96; every \
+             scene counts alike. Between the knots it is read linearly.\n\n\
+             Reliability: each scene as the fit to all others sees it, how many per cent of its pixels lie within \
+             the interval that a normal distribution of that sigma claims. Errors have heavier tails than a \
+             normal distribution, so a fit that is right at 95 % claims too much width below.\n\n\
+             What was tried: per cent of the pixels within 95 % of scenes that were left out. Every way has its \
+             own table of errors over bins of as many pixels each, twelve of one feature or eight by eight of two; \
+             some scale a scene's errors by a number that the scene tells of itself. No feature of single pixels \
              makes scenes alike: what parts them is how hard a scene is as a whole. The curve is fitted without \
-             the scene it is tried on, but the kind of number was chosen among some sixty-five by these scenes, so \
-             the last row may be a little too good.\n\n{}",
-            self.fit_table(),
-            self.reliability_table(),
-            self.verdict(),
-            self.way_table()
-        )
+             the scene it is tried on, but the kind of number was chosen among many by these scenes, so the last \
+             row of each table may be a little too good.\n"
+        )?;
+        for fitted in &self.sources {
+            let mut name = fitted.source.name().to_owned();
+            name[..1].make_ascii_uppercase();
+            write!(
+                f,
+                "\n## {name}\n\n{}\n\
+                 ### Reliability\n\n{}\n{}\n\n\
+                 ![claimed against held, scene by scene, with and without the roughness](pictures/{})\n\n\
+                 ### What was tried\n\n{}",
+                fitted.fit_table(),
+                fitted.reliability_table(),
+                fitted.verdict(),
+                fitted.source.picture(),
+                fitted.way_table()
+            )?;
+        }
+        Ok(())
     }
 }

@@ -340,8 +340,9 @@ impl fmt::Display for DepthRun {
              Errors are the median and the 90th percentile of the absolute error of depth over the objects' \
              pixels that both eyes see and whose disparity is valid; density is the part of them. **Out by a \
              degree**: the right eye is turned by one degree about each axis and the rig does not know. \
-             **Recalibrated**: it is found from the images, with an encoder of the vergence good to 0.2 \
-             degrees whose reading is off by as much, and centres held to a thousandth of the baseline.\n\n{}\n\
+             **Recalibrated**: it is found from the images, matched for it (`OrientationParams::matching`), with an \
+             encoder of the vergence good to 0.2 degrees whose reading is off by as much, and centres held to a \
+             thousandth of the baseline.\n\n{}\n\
              ## Marks\n\n{}\n\
              One pixel is 26 mm at 2.5 m: the paper's centimetre is there a budget of 0.38 px for matching, \
              and of 0.02 degrees for the vergence. The rows at 1.6 m and beyond say what is reached.\n\n\

@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use clap::Args;
-use disparity_pyramid::{DisparityField, MatchParams, estimate_from_votes};
+use disparity_pyramid::{DisparityField, estimate_from_votes};
 use egocentric_depth::{
     Attitude, CameraIntrinsics, DriftBelief, Lens, OrientationParams, RelativeOrientation,
     RelativePose, RigDrift, Rotation, StereoRig, midpoint, relative_orientation,
@@ -147,7 +147,7 @@ fn look(eyes: &Binocular<&LumaImage>) -> anyhow::Result<DisparityField> {
     };
     let bank = FilterBank::plan(gabor, size)?;
     let responses = eyes.try_map(|eye| bank.respond(eye))?;
-    Ok(estimate_from_votes(&responses, MatchParams::default())?.field)
+    Ok(estimate_from_votes(&responses, OrientationParams::matching())?.field)
 }
 
 fn at_points(scene: &StereoScene, points: &[PointPair], pose: &Pose) -> anyhow::Result<PointRig> {
@@ -166,15 +166,11 @@ fn at_points(scene: &StereoScene, points: &[PointPair], pose: &Pose) -> anyhow::
         as_mounted(&published)?
     };
     let orient = |params: &OrientationParams| relative_orientation(&field, &start, params);
-    let unheld = orient(&OrientationParams::of(&start))?;
-    // Eyes that were turned where they sit, which is what is expected of them.
-    let found: RelativeOrientation = if pose.metric {
-        let turned = DriftBelief::new(RigDrift::default(), &OrientationParams::TURNED)?;
-        orient(&OrientationParams::expecting(turned))?
-    } else {
-        unheld
-    };
+    let found: RelativeOrientation = orient(&OrientationParams::of(&start))?;
     let fixed = start.drifted(&found.drift)?;
+    // The same eyes expected to have turned where they sit.
+    let turned = DriftBelief::new(RigDrift::default(), &OrientationParams::TURNED)?;
+    let turned = orient(&OrientationParams::expecting(turned))?;
     let depths = |rig: &StereoRig| {
         pose.metric
             .then(|| Depths::of(depth_errors_m(&field, points, rig)))
@@ -194,7 +190,7 @@ fn at_points(scene: &StereoScene, points: &[PointPair], pose: &Pose) -> anyhow::
         published: depths(&published),
         before: depths(&start),
         after: depths(&fixed),
-        after_unheld: depths(&start.drifted(&unheld.drift)?),
+        after_turned: depths(&start.drifted(&turned.drift)?),
         found: found.into(),
     })
 }

@@ -10,7 +10,7 @@ use egocentric_depth::{
 };
 use ndarray::Array2;
 use stereo_scenes::{Exposure, Gaze, Head, Room, View, render};
-use v1_gabor::{Binocular, FilterBank, GaborParams, LumaImage};
+use v1_gabor::{Binocular, FilterBank, GaborParams, LumaImage, V1Responses};
 
 use crate::camera_noise::CameraNoise;
 use crate::data_folder;
@@ -185,7 +185,7 @@ fn rig(condition: Condition, distance_m: f64) -> anyhow::Result<StereoRig> {
 
 fn view(condition: Condition, distance_m: f64) -> anyhow::Result<Viewed> {
     let nominal = rig(condition, distance_m)?;
-    let (seen, field) = look(&nominal, distance_m, 1)?;
+    let Looked { seen, field, .. } = look(&nominal, distance_m, 1)?;
     let exact = DepthErrors::of(&triangulate(&field, &nominal), &seen.truth);
     // The head believes in the nominal rig; its right eye is a degree out about each axis.
     let out = RigDrift {
@@ -194,13 +194,15 @@ fn view(condition: Condition, distance_m: f64) -> anyhow::Result<Viewed> {
         roll_rad: OUT_DEG.to_radians(),
         ..RigDrift::default()
     };
-    let (seen, field) = look(&nominal.drifted(&out)?, distance_m, 2)?;
-    let uncorrected = DepthErrors::of(&triangulate(&field, &nominal), &seen.truth);
+    let looked = look(&nominal.drifted(&out)?, distance_m, 2)?;
+    let Looked { seen, field, .. } = &looked;
+    let uncorrected = DepthErrors::of(&triangulate(field, &nominal), &seen.truth);
     let params = OrientationParams {
         matches: 20_000,
         ..OrientationParams::expecting(encoders(condition, &out)?)
     };
-    let recalibrated = match relative_orientation(&field, &nominal, &params) {
+    let vertical = estimate(&looked.responses, OrientationParams::matching())?;
+    let recalibrated = match relative_orientation(&vertical, &nominal, &params) {
         Err(reason) => Recalibrated::Refused(reason.to_string()),
         Ok(found) => {
             let off: Vec<f64> = found
@@ -213,7 +215,7 @@ fn view(condition: Condition, distance_m: f64) -> anyhow::Result<Viewed> {
             let fixed = nominal.drifted(&found.drift)?;
             Recalibrated::Found {
                 off_deg: [off[0], off[1], off[2]],
-                errors: DepthErrors::of(&triangulate(&field, &fixed), &seen.truth),
+                errors: DepthErrors::of(&triangulate(field, &fixed), &seen.truth),
             }
         }
     };
@@ -251,22 +253,33 @@ fn encoders(condition: Condition, out: &RigDrift) -> anyhow::Result<DriftBelief>
     Ok(DriftBelief::new(expected, &sigma)?)
 }
 
+/// The objects as they are, and what the eyes see of them.
+struct Looked {
+    seen: View,
+    responses: Binocular<V1Responses>,
+    field: DisparityField,
+}
+
 /// Renders the objects as a camera takes them, and matches the eyes.
-fn look(rig: &StereoRig, distance_m: f64, seed: u64) -> anyhow::Result<(View, DisparityField)> {
+fn look(rig: &StereoRig, distance_m: f64, seed: u64) -> anyhow::Result<Looked> {
     let room = room(distance_m)?;
     let head = Head::default();
     let gaze = Gaze::new([3.0, 0.5, 1.5], 0.0, head.size, *rig)?;
-    let view = render(&room, &gaze, Exposure::default())?;
+    let seen = render(&room, &gaze, Exposure::default())?;
     let taken = Binocular {
-        left: taken(&view.images.left, 2 * seed)?,
-        right: taken(&view.images.right, 2 * seed + 1)?,
+        left: taken(&seen.images.left, 2 * seed)?,
+        right: taken(&seen.images.right, 2 * seed + 1)?,
     };
     let gabor = GaborParams::default();
     let bank = FilterBank::plan(gabor, head.size)?;
     let responses = taken.as_ref().try_map(|eye| bank.respond(eye))?;
     // What the head fixates has no disparity, so the search is about zero.
     let field = estimate(&responses, MatchParams::default())?;
-    Ok((view, field))
+    Ok(Looked {
+        seen,
+        responses,
+        field,
+    })
 }
 
 /// A picture as a camera takes it.

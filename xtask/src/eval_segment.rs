@@ -141,7 +141,7 @@ impl Seen {
         let segments = self.segments.iter();
         let segments = segments.map(|found| found.as_ref().unwrap_or(&nothing));
         let all: Vec<&LabelImage> = std::iter::once(&self.truth).chain(segments).collect();
-        Ok(picture::encode_rgb(
+        Ok(picture::encode_rgb_small(
             label_sheet(self.rgb.view(), &all).view(),
         )?)
     }
@@ -183,7 +183,8 @@ fn depth(
         ..gabor
     };
     let bank = FilterBank::plan(gabor, luma.left.size())?;
-    let matching = MatchParams::default();
+    // As `dorsal look --segment` matches.
+    let matching = MatchParams::for_objects();
     let field = if source == Source::Dense {
         let views = Binocular {
             left: EyeView {

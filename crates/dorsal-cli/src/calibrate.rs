@@ -1,7 +1,6 @@
 use std::io::Write;
 
 use anyhow::Context as _;
-use dorsal::disparity_pyramid::MatchParams;
 use dorsal::egocentric_depth::{
     DriftBelief, OrientationParams, RigDrift, StereoRig, relative_orientation,
 };
@@ -41,7 +40,7 @@ pub(crate) fn calibrate(arguments: &CalibrateArguments, out: &mut dyn Write) -> 
     let found = arguments
         .range
         .range()
-        .disparity(&responses, MatchParams::default())
+        .disparity(&responses, OrientationParams::matching())
         .context("the eyes cannot be matched")?;
     drop(responses);
 

@@ -24,7 +24,7 @@ pub(crate) struct CalibrateArguments {
     pub(crate) out: PathBuf,
 
     /// One standard deviation of the rig's vergence, as its encoders have it, in degrees [default: the
-    /// rig's own sigma of yaw, else 0.5]
+    /// rig's own sigma of yaw, else 1]
     #[arg(long, value_name = "DEG", value_parser = degrees)]
     pub(crate) yaw_sigma: Option<f64>,
 

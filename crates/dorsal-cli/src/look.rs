@@ -26,6 +26,9 @@ use crate::times::Times;
 /// Below this part of valid pixels a disparity field deserves a word.
 const SPARSE: f64 = 0.2;
 
+/// Vertical disparity that a rig may leave before it should be corrected, in pixels.
+const MOST_VERTICAL_PX: f64 = 0.2;
+
 /// `dorsal look`: looks at a pair of files and writes what is seen.
 pub(crate) fn look(arguments: &LookArguments, out: &mut dyn Write) -> anyhow::Result<()> {
     arguments.threads.install()?;
@@ -98,10 +101,13 @@ pub(crate) fn look(arguments: &LookArguments, out: &mut dyn Write) -> anyhow::Re
         writeln!(out, "disparity {median_px:.2} px in the median")?;
     }
     if let Some(drift) = &sight.drift {
-        let applied = if arguments.recalibrate && drift.is_ok() {
-            " (corrected)"
-        } else {
-            ""
+        let applied = match drift {
+            Ok(_) if arguments.recalibrate => " (corrected)",
+            // Beyond it depth is taken from other pixels than those that belong together.
+            Ok(found) if found.vertical_rms_before_px > MOST_VERTICAL_PX => {
+                " (--recalibrate takes depth without it)"
+            }
+            _ => "",
         };
         let drift = DriftRecord::of(drift);
         writeln!(out, "drift     {}{applied}", drift.sentence())?;

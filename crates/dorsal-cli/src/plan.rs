@@ -2,8 +2,8 @@ use anyhow::Context as _;
 use dorsal::allocentric_qsr::{DepthReference, Inference, Mode, QualifyParams, QualitativeScene};
 use dorsal::disparity_pyramid::{DisparityField, EyeView, MatchParams, RowAlignment};
 use dorsal::egocentric_depth::{
-    DepthMap, DisparitySigma, LocateParams, NoOrientation, OrientationParams, RelativeOrientation,
-    SegmentParams, Segmentation, StereoRig, locate, relative_orientation, segment, triangulate,
+    DepthMap, LocateParams, NoOrientation, OrientationParams, RelativeOrientation, SegmentParams,
+    Segmentation, StereoRig, locate, relative_orientation, segment, triangulate,
 };
 use dorsal::v1_gabor::{Binocular, FilterBank, GaborParams};
 use dorsal::{DenseLook, Estimator, Names, Range, RectifiedEyes, Rows, sightings};
@@ -33,6 +33,14 @@ pub(crate) struct Plan {
     pub(crate) qualifying: QualifyParams,
 }
 
+/// What level 2 tells.
+struct Matched {
+    disparity: DisparityField,
+    /// The same eyes matched for their drift, if that is to be corrected.
+    vertical: Option<DisparityField>,
+    searched: Searched,
+}
+
 impl Plan {
     /// Looks once, as far as the plan goes: disparity, with a rig depth, with objects their places
     /// and relations.
@@ -45,15 +53,20 @@ impl Plan {
         times: &mut Times,
         console: &Console,
     ) -> anyhow::Result<Sight> {
-        let (disparity, searched) = match self.estimator {
+        let Matched {
+            disparity,
+            vertical,
+            searched,
+        } = match self.estimator {
             Estimator::Vector(range) => self.vector(range, eyes, times, console)?,
-            Estimator::Dense(dense) => {
-                let searched = Searched::given(self.gabor.scales, &self.matching);
-                (self.dense(dense, eyes, times, console)?, searched)
-            }
+            Estimator::Dense(dense) => Matched {
+                disparity: self.dense(dense, eyes, times, console)?,
+                vertical: None,
+                searched: Searched::given(self.gabor.scales, &self.matching),
+            },
         };
 
-        let drift = self.drift(&disparity, times);
+        let drift = self.drift(vertical.as_ref().unwrap_or(&disparity), times);
         let rig = match (&self.rig, &drift) {
             (Some(rig), Some(Ok(found))) if self.recalibrate => Some(
                 rig.drifted(&found.drift)
@@ -112,16 +125,10 @@ impl Plan {
         })
     }
 
-    /// The depth of every pixel, with the disparity's uncertainty where it is calibrated, which is the
-    /// vector pyramid's.
+    /// The depth of every pixel, with the disparity's uncertainty.
     fn depth(&self, disparity: &DisparityField, rig: &StereoRig) -> anyhow::Result<DepthMap> {
-        let depth = triangulate(disparity, rig);
-        Ok(match self.estimator {
-            Estimator::Vector(_) => {
-                depth.with_disparity_sigma(DisparitySigma::default().of(disparity))?
-            }
-            Estimator::Dense(_) => depth,
-        })
+        let sigma_px = self.estimator.disparity_sigma().of(disparity);
+        Ok(triangulate(disparity, rig).with_disparity_sigma(sigma_px)?)
     }
 
     /// How the right eye has slipped from where the rig has it, as the vertical disparities say; the
@@ -142,14 +149,15 @@ impl Plan {
         Some(times.measure("drift", || relative_orientation(disparity, &rig, &params)))
     }
 
-    /// The vector pyramid's disparity, and where it searched.
+    /// The vector pyramid's disparity, and where it searched. Where depth is to be taken without the drift
+    /// the eyes are matched once more for it: the look's own field has less of it than there is.
     fn vector(
         &self,
         range: Range,
         eyes: &Binocular<Picture>,
         times: &mut Times,
         console: &Console,
-    ) -> anyhow::Result<(DisparityField, Searched)> {
+    ) -> anyhow::Result<Matched> {
         console.step("filtering what the eyes see");
         let responses = times.measure("responses", || {
             let bank = FilterBank::plan(self.gabor, eyes.left.size())?;
@@ -163,7 +171,20 @@ impl Plan {
             .measure("disparity", || range.disparity(&responses, self.matching))
             .context("the eyes cannot be matched")?;
         let searched = Searched::of(&found, &self.matching);
-        Ok((found.field, searched))
+        let orienting = MatchParams {
+            zero_disparity_px: self.matching.zero_disparity_px,
+            ..OrientationParams::matching()
+        };
+        let vertical = self.recalibrate.then(|| {
+            console.step("matching the eyes for their drift");
+            let found = times.measure("vertical", || range.disparity(&responses, orienting));
+            found.context("the eyes cannot be matched")
+        });
+        Ok(Matched {
+            disparity: found.field,
+            vertical: vertical.transpose()?.map(|found| found.field),
+            searched,
+        })
     }
 
     /// The dense estimator's disparity.

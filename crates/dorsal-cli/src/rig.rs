@@ -148,8 +148,8 @@ impl Check {
         let errors = DEPTHS_M.map(|depth_m| {
             let ahead = Position::<Head>::new(0.0, 0.0, depth_m);
             // A depth that an eye cannot see has no error.
-            let seen = |m: f64| Some(m).filter(|m| m.is_finite());
-            let per_px_m = seen(rig.depth_per_px(ahead));
+            let seen = shown(rig, size, ahead).then(|| rig.depth_per_px(ahead));
+            let per_px_m = seen.filter(|m| m.is_finite());
             DepthError {
                 depth_m,
                 per_px_m,
@@ -167,6 +167,16 @@ impl Check {
             errors: errors.into(),
         }
     }
+}
+
+/// Whether both pictures show a point, as far as their size is known.
+fn shown(rig: &StereoRig, size: Option<Size>, point: Position<Head>) -> bool {
+    let (Some(pixels), Some(size)) = (rig.project(point), size) else {
+        return size.is_none();
+    };
+    let inside = |at: f64, length: usize| (-0.5..=length as f64 - 0.5).contains(&at);
+    let shows = |(x, y): (f64, f64)| inside(x, size.width) && inside(y, size.height);
+    shows(pixels.left) && shows(pixels.right)
 }
 
 /// The two cameras and how they stand, for a person.

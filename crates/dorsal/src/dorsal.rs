@@ -1,6 +1,6 @@
 use allocentric_qsr::{DepthReference, QualifyParams, QualitativeScene};
 use disparity_pyramid::{EyeView, MatchParams};
-use egocentric_depth::{DisparitySigma, LabelImage, LocateParams, StereoRig, locate, triangulate};
+use egocentric_depth::{LabelImage, LocateParams, StereoRig, locate, triangulate};
 use v1_gabor::{Binocular, FilterBank, LumaImage};
 
 use crate::{Error, Estimator, Names, Percept, sightings};
@@ -52,14 +52,8 @@ impl Dorsal {
                 (field, Vec::new())
             }
         };
-        let depth = triangulate(&disparity, &self.rig);
-        let depth = match self.estimator {
-            Estimator::Vector(_) => {
-                depth.with_disparity_sigma(DisparitySigma::default().of(&disparity))?
-            }
-            // Not calibrated: what `locating` says counts for every pixel.
-            Estimator::Dense(_) => depth,
-        };
+        let sigma_px = self.estimator.disparity_sigma().of(&disparity);
+        let depth = triangulate(&disparity, &self.rig).with_disparity_sigma(sigma_px)?;
         let egocentric = locate(&depth, labels, &self.rig, &self.locating)?;
         let qualitative = QualitativeScene::qualify_with(
             sightings(&egocentric, names),

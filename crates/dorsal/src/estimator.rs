@@ -1,10 +1,11 @@
 use disparity_pyramid::{
-    DenseMatcher, DenseParams, DisparityField, EyeView, MatchParams, RowAlignment, SearchRange,
-    estimate,
+    Acuity, DenseMatcher, DenseParams, DisparityField, EyeView, MatchParams, RowAlignment,
+    SearchRange, estimate,
 };
-use egocentric_depth::StereoRig;
+use egocentric_depth::{DisparitySigma, StereoRig};
 use v1_gabor::{Binocular, FilterBank};
 
+use crate::coarse_range::coarse_range;
 use crate::{Error, Range, RectifiedEyes};
 
 /// Which estimator of level 2 looks.
@@ -20,6 +21,22 @@ pub enum Estimator {
 impl Default for Estimator {
     fn default() -> Self {
         Self::Vector(Range::default())
+    }
+}
+
+impl Estimator {
+    /// What the disparities of this estimator are worth in pixels. Ingredients of the dense estimator that
+    /// are neither preset's count as those of the preset that has the same [`Acuity`], which decides most
+    /// of an error.
+    #[must_use]
+    pub const fn disparity_sigma(&self) -> DisparitySigma {
+        match self {
+            Self::Vector(_) => DisparitySigma::VECTOR,
+            Self::Dense(look) => match look.params.acuity {
+                Acuity::TwoBanks => DisparitySigma::DENSE_BEST,
+                Acuity::CostBank | Acuity::Parabola => DisparitySigma::DENSE_FAST,
+            },
+        }
     }
 }
 
@@ -53,7 +70,7 @@ pub enum Rows {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Search {
     /// Those that the vector pyramid sees in the same pair, up to `most_dx` if the farthest is
-    /// known.
+    /// known; with [`Rows::Rectified`] also those that a dense look at a quarter of the size sees.
     Found {
         /// The largest shift to try, in pixels.
         most_dx: Option<i32>,
@@ -126,7 +143,13 @@ impl DenseLook {
             }),
             Search::Found { most_dx } => {
                 let field = field()?;
-                let found = SearchRange::covering(&field).ok_or(Error::NoSearch)?;
+                let seen = SearchRange::covering(&field);
+                let found = match self.rows {
+                    // Eyes that were turned parallel converged before, on things that may slant.
+                    Rows::Rectified => joined(seen, coarse_range(eyes)?),
+                    Rows::AsTaken | Rows::Aligned => seen,
+                };
+                let found = found.ok_or(Error::NoSearch)?;
                 let most_dx = most_dx.unwrap_or(found.most_dx());
                 let rows = if self.rows == Rows::Aligned {
                     Some(RowAlignment::fit(&field).ok_or(Error::NoAlignment)?)
@@ -167,5 +190,37 @@ impl DenseLook {
             },
         };
         Ok(matcher.estimate(&aligned, preparation.search)?)
+    }
+}
+
+/// The range that holds both.
+fn joined(one: Option<SearchRange>, other: Option<SearchRange>) -> Option<SearchRange> {
+    let (Some(a), Some(b)) = (one, other) else {
+        return one.or(other);
+    };
+    let least = a.least_dx().min(b.least_dx());
+    SearchRange::new(least, a.most_dx().max(b.most_dx())).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_estimator_knows_its_sigma() {
+        let dense = |params| {
+            Estimator::Dense(DenseLook {
+                params,
+                ..DenseLook::default()
+            })
+        };
+        assert_eq!(
+            Estimator::default().disparity_sigma(),
+            DisparitySigma::VECTOR
+        );
+        let best = dense(DenseParams::best()).disparity_sigma();
+        assert_eq!(best, DisparitySigma::DENSE_BEST);
+        let fast = dense(DenseParams::fast()).disparity_sigma();
+        assert_eq!(fast, DisparitySigma::DENSE_FAST);
     }
 }

@@ -69,6 +69,7 @@
 //! assert_eq!(answer.to_string(), "certainly none; possibly poster");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+mod coarse_range;
 mod depth_evidence;
 mod dorsal;
 mod error;

@@ -1,18 +1,32 @@
 use disparity_pyramid::DisparityField;
 use ndarray::Array2;
 
-use crate::roughness_px;
+use crate::{roughness_across_px, roughness_px};
 
 /// How uncertain the disparities of a field are: one standard deviation in pixels, fitted to the
 /// errors of real pairs.
 ///
 /// A confidence says which pixels of a pair are better than others, and the roughness of the field
 /// ([`roughness_px`]) how good those of this pair are: sigma is the product of a curve over the
-/// confidence and the roughness. `1.96` of it hold the truth in 95 % of the pixels; errors have heavier
-/// tails than a normal distribution, so `1` of it holds more than 68 %.
+/// confidence and the roughness, or its cube root. `1.96` of it hold the truth in 95 % of the pixels; errors
+/// have heavier tails than a normal distribution, so `1` of it holds more than 68 %.
+///
+/// Every estimator has its own: [`DisparitySigma::VECTOR`], [`DisparitySigma::DENSE_BEST`] and
+/// [`DisparitySigma::DENSE_FAST`], as `cargo xtask calibrate-confidence` fits them to twelve pairs;
+/// docs/confidence.md says how often they hold on a pair that was left out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DisparitySigma {
-    per_roughness: [f64; Self::KNOTS],
+    curve: [f64; Self::KNOTS],
+    kind: Kind,
+}
+
+/// Which roughness, and how it counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// Of both components; errors grow as it does.
+    Vector,
+    /// Of `dx`; errors grow as its cube root.
+    AlongRows,
 }
 
 impl DisparitySigma {
@@ -25,62 +39,103 @@ impl DisparitySigma {
     /// No field is so smooth that its sigma would count as less than this roughness's, in pixels.
     pub const LEAST_ROUGHNESS_PX: f64 = 0.05;
 
-    /// A standard deviation at each of [`DisparitySigma::CONFIDENCES`], as a part of the field's
-    /// roughness.
+    /// The vector pyramid's: errors grow as the roughness does.
+    pub const VECTOR: Self =
+        Self::of_vectors([4.830, 1.197, 0.834, 0.720, 0.658, 0.602, 0.596, 0.596]);
+
+    /// The dense estimator's with [`DenseParams::best`](disparity_pyramid::DenseParams::best).
+    pub const DENSE_BEST: Self =
+        Self::along_rows([8.416, 8.416, 8.416, 3.834, 0.674, 0.299, 0.259, 0.219]);
+
+    /// The dense estimator's with [`DenseParams::fast`](disparity_pyramid::DenseParams::fast).
+    pub const DENSE_FAST: Self =
+        Self::along_rows([10.101, 10.101, 10.101, 4.886, 1.128, 0.352, 0.285, 0.233]);
+
+    /// For fields of vectors: a standard deviation at each of [`DisparitySigma::CONFIDENCES`] in a field
+    /// whose roughness is one pixel, in pixels.
     #[must_use]
-    pub const fn new(per_roughness: [f64; Self::KNOTS]) -> Self {
-        Self { per_roughness }
+    pub const fn of_vectors(curve: [f64; Self::KNOTS]) -> Self {
+        Self {
+            curve,
+            kind: Kind::Vector,
+        }
     }
 
-    /// The standard deviation at each of [`DisparitySigma::CONFIDENCES`], as a part of the field's
-    /// roughness.
+    /// The same for fields that were found along rows. Such an estimator follows edges that the vector
+    /// pyramid rounds, which makes a field rough and little worse: its errors grow as the cube root of the
+    /// roughness of `dx`.
     #[must_use]
-    pub const fn per_roughness(&self) -> [f64; Self::KNOTS] {
-        self.per_roughness
+    pub const fn along_rows(curve: [f64; Self::KNOTS]) -> Self {
+        Self {
+            curve,
+            kind: Kind::AlongRows,
+        }
+    }
+
+    /// The standard deviation at each of [`DisparitySigma::CONFIDENCES`] in a field whose roughness is
+    /// one pixel, in pixels.
+    #[must_use]
+    pub const fn curve(&self) -> [f64; Self::KNOTS] {
+        self.curve
+    }
+
+    /// The roughness that counts here, in pixels; `None` of a field without valid shifts.
+    #[must_use]
+    pub fn roughness_px(&self, field: &DisparityField) -> Option<f64> {
+        match self.kind {
+            Kind::Vector => roughness_px(field),
+            Kind::AlongRows => roughness_across_px(field),
+        }
+    }
+
+    /// What every sigma of a field of this roughness is a multiple of.
+    #[must_use]
+    pub fn scale(&self, roughness_px: f64) -> f64 {
+        let roughness_px = roughness_px.max(Self::LEAST_ROUGHNESS_PX);
+        match self.kind {
+            Kind::Vector => roughness_px,
+            Kind::AlongRows => roughness_px.cbrt(),
+        }
     }
 
     /// One standard deviation of a disparity of this confidence in a field of this roughness, in pixels:
     /// linear between the knots, and beyond them as at the outermost.
     #[must_use]
     pub fn px(&self, confidence: f32, roughness_px: f64) -> f64 {
+        self.part(confidence) * self.scale(roughness_px)
+    }
+
+    /// The curve at a confidence.
+    fn part(&self, confidence: f32) -> f64 {
         let knots = Self::CONFIDENCES;
-        let above = knots.iter().position(|&knot| confidence < knot);
-        let part = match above {
-            Some(0) => self.per_roughness[0],
-            None => self.per_roughness[Self::KNOTS - 1],
+        match knots.iter().position(|&knot| confidence < knot) {
+            Some(0) => self.curve[0],
+            None => self.curve[Self::KNOTS - 1],
             Some(above) => {
                 let (low, high) = (knots[above - 1], knots[above]);
                 let along = f64::from((confidence - low) / (high - low));
-                self.per_roughness[above - 1] * (1.0 - along) + self.per_roughness[above] * along
+                self.curve[above - 1] * (1.0 - along) + self.curve[above] * along
             }
-        };
-        part * roughness_px.max(Self::LEAST_ROUGHNESS_PX)
+        }
     }
 
     /// One standard deviation of every disparity of a field, in pixels, `[[y, x]]`; infinite where the
     /// field has no answer.
     #[must_use]
     pub fn of(&self, field: &DisparityField) -> Array2<f32> {
-        let Some(roughness_px) = roughness_px(field) else {
+        let Some(roughness_px) = self.roughness_px(field) else {
             return Array2::from_elem(field.size().dim(), f32::INFINITY);
         };
+        let scale = self.scale(roughness_px);
         let mut sigma = field
             .confidence()
-            .mapv(|confidence| self.px(confidence, roughness_px) as f32);
+            .mapv(|confidence| (self.part(confidence) * scale) as f32);
         sigma.zip_mut_with(&field.validity(), |sigma, validity| {
             if !validity.is_valid() {
                 *sigma = f32::INFINITY;
             }
         });
         sigma
-    }
-}
-
-impl Default for DisparitySigma {
-    /// The vector pyramid's, as `cargo xtask calibrate-confidence` fits it to twelve pairs;
-    /// docs/confidence.md says how often it holds on a pair that was left out.
-    fn default() -> Self {
-        Self::new([4.830, 1.197, 0.834, 0.720, 0.658, 0.602, 0.596, 0.596])
     }
 }
 
@@ -92,14 +147,26 @@ mod tests {
     fn it_is_read_between_the_knots() {
         let mut knots = [1.0; DisparitySigma::KNOTS];
         (knots[0], knots[1]) = (3.0, 2.0);
-        let sigma = DisparitySigma::new(knots);
+        let sigma = DisparitySigma::of_vectors(knots);
         assert!((sigma.px(0.4, 1.0) - 2.5).abs() < 1e-6);
         assert_eq!(
             (sigma.px(0.0, 2.0), sigma.px(1.0, 0.5), sigma.px(2.0, 1.0)),
             (6.0, 0.5, 1.0)
         );
         assert_eq!(sigma.px(1.0, 0.0), DisparitySigma::LEAST_ROUGHNESS_PX);
-        let fitted = DisparitySigma::default().per_roughness();
-        assert!(fitted.windows(2).all(|pair| pair[0] >= pair[1]));
+        // Eight times as rough, twice as uncertain.
+        let dense = DisparitySigma::along_rows(knots);
+        assert!((dense.px(1.0, 8.0) - 2.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn surer_is_no_less_certain() {
+        for fitted in [
+            DisparitySigma::VECTOR,
+            DisparitySigma::DENSE_BEST,
+            DisparitySigma::DENSE_FAST,
+        ] {
+            assert!(fitted.curve().windows(2).all(|pair| pair[0] >= pair[1]));
+        }
     }
 }

@@ -123,7 +123,7 @@ pub use relative_orientation::{
 pub use relative_pose::RelativePose;
 pub use rig_drift::RigDrift;
 pub use rotation::{NoRotation, Rotation};
-pub use roughness::{roughness_px, scatter};
+pub use roughness::{roughness_across_px, roughness_px, scatter};
 pub use segment::{NotSegmentable, SegmentParams, Segmentation, segment};
 pub use stereo_rig::{BadRig, StereoRig};
 pub use support_plane::{NoSupport, SupportParams, SupportPlane};

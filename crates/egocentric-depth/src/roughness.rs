@@ -13,18 +13,30 @@ use ndarray::Array2;
 #[must_use]
 pub fn roughness_px(field: &DisparityField) -> Option<f64> {
     let scatter = scatter(field);
-    let ninetieth = |component: fn(&(f32, f32)) -> f32| {
-        let mut all: Vec<f32> = scatter.iter().flatten().map(component).collect();
-        let place = all.len() * 9 / 10;
-        (!all.is_empty()).then(|| *all.select_nth_unstable_by(place, f32::total_cmp).1)
-    };
-    let (across, down) = (ninetieth(|s| s.0)?, ninetieth(|s| s.1)?);
-    let (across, down) = (f64::from(across), f64::from(down));
+    let across = ninetieth(&scatter, |s| s.0)?;
+    let down = ninetieth(&scatter, |s| s.1)?;
     Some(if down > 0.0 {
         (across * across * down).cbrt()
     } else {
         across
     })
+}
+
+/// The roughness of `dx` alone: of a field that was found along rows, whose `dy` is the rig's and not
+/// the estimator's.
+#[must_use]
+pub fn roughness_across_px(field: &DisparityField) -> Option<f64> {
+    ninetieth(&scatter(field), |s| s.0)
+}
+
+/// What nine pixels of ten keep within.
+fn ninetieth(
+    scatter: &Array2<Option<(f32, f32)>>,
+    component: fn(&(f32, f32)) -> f32,
+) -> Option<f64> {
+    let mut all: Vec<f32> = scatter.iter().flatten().map(component).collect();
+    let place = all.len() * 9 / 10;
+    (!all.is_empty()).then(|| f64::from(*all.select_nth_unstable_by(place, f32::total_cmp).1))
 }
 
 /// How far each valid shift is from its valid neighbours two and four pixels away, at most, in each
@@ -85,5 +97,6 @@ mod tests {
         assert_eq!(roughness_px(&noisy), Some(0.0));
         let both = field(|x, _| 0.5 * x as f32, |x, _| 0.0625 * x as f32);
         assert_eq!(roughness_px(&both), Some(1.0));
+        assert_eq!(roughness_across_px(&both), Some(2.0));
     }
 }

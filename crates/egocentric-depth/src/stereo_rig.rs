@@ -38,10 +38,13 @@ pub enum BadRig {
     #[error("a principal point at ({0}, {1}) px is nowhere")]
     PrincipalPoint(f64, f64),
     /// The lines of sight part in front of the head.
-    #[error("lines of sight that part by {0} rad meet nowhere in front of the head")]
+    #[error(
+        "lines of sight that part by {:.3} degrees meet nowhere in front of the head",
+        -.0.to_degrees()
+    )]
     Vergence(f64),
     /// An eye looks backwards, or an angle is not a number.
-    #[error("an angle of {0} rad is beyond a right angle, or no number")]
+    #[error("an angle of {:.3} degrees is beyond a right angle, or no number", .0.to_degrees())]
     Angle(f64),
     /// A lens has a coefficient that is not finite.
     #[error("a lens with the coefficient {0} bends nothing known; it must be finite")]

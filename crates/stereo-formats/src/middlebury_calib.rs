@@ -33,8 +33,10 @@ pub enum NotCalib {
     #[error("it has no {0}; a calib.txt has cam0, cam1, doffs, baseline, width and height")]
     Missing(&'static str),
     /// A value that is not what its key needs.
-    #[error("{key} is '{value}', and {wanted} is needed")]
+    #[error("line {line}: {key} is '{value}', and {wanted} is needed")]
     Value {
+        /// The line, counted from 1.
+        line: usize,
         /// The key.
         key: &'static str,
         /// Its value, or the beginning of it.
@@ -67,7 +69,7 @@ pub fn decode(bytes: &[u8]) -> Result<MiddleburyCalib, NotCalib> {
             continue;
         }
         let (key, value) = line.split_once('=').ok_or(NotCalib::Line(number))?;
-        values.insert(key.trim(), value.trim());
+        values.insert(key.trim(), (number, value.trim()));
     }
     let calib = Values(values);
     let left = calib.camera("cam0")?;
@@ -88,21 +90,23 @@ pub fn decode(bytes: &[u8]) -> Result<MiddleburyCalib, NotCalib> {
     })
 }
 
-struct Values<'a>(BTreeMap<&'a str, &'a str>);
+/// The values by their keys, each with its line.
+struct Values<'a>(BTreeMap<&'a str, (usize, &'a str)>);
 
 impl Values<'_> {
-    fn text(&self, key: &'static str) -> Result<&str, NotCalib> {
+    fn value(&self, key: &'static str) -> Result<(usize, &str), NotCalib> {
         self.0.get(key).copied().ok_or(NotCalib::Missing(key))
     }
 
     fn number<N: std::str::FromStr>(&self, key: &'static str) -> Result<N, NotCalib> {
-        let value = self.text(key)?;
-        value.parse().map_err(|_| wrong(key, value, "a number"))
+        let (line, value) = self.value(key)?;
+        let number = value.parse();
+        number.map_err(|_| wrong(key, (line, value), "a number"))
     }
 
     /// A camera matrix `[fx 0 cx; 0 fy cy; 0 0 1]`.
     fn camera(&self, key: &'static str) -> Result<CameraIntrinsics, NotCalib> {
-        let value = self.text(key)?;
+        let (line, value) = self.value(key)?;
         let numbers: Option<Vec<f64>> = value
             .strip_prefix('[')
             .and_then(|rest| rest.strip_suffix(']'))
@@ -115,15 +119,16 @@ impl Values<'_> {
         camera.ok_or_else(|| {
             wrong(
                 key,
-                value,
+                (line, value),
                 "a camera without skew, [f 0 cx; 0 f cy; 0 0 1],",
             )
         })
     }
 }
 
-fn wrong(key: &'static str, value: &str, wanted: &'static str) -> NotCalib {
+fn wrong(key: &'static str, (line, value): (usize, &str), wanted: &'static str) -> NotCalib {
     NotCalib::Value {
+        line,
         key,
         value: value.chars().take(60).collect(),
         wanted,
@@ -242,8 +247,10 @@ mod tests {
         ));
         assert!(matches!(
             refused("[994.978 0 311", "[994.978 1 311"),
-            NotCalib::Value { .. }
+            NotCalib::Value { line: 1, .. }
         ));
+        let words = refused("baseline=193.001", "baseline=long").to_string();
+        assert!(words.contains("line 4: baseline is 'long'"), "{words}");
         assert!(matches!(
             refused("193.001", "-1"),
             NotCalib::Rig(BadRig::Baseline(_))

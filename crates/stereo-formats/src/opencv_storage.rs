@@ -13,7 +13,7 @@ use crate::camera_matrix;
 use crate::file::{self, Unreadable, Unwritable};
 use crate::rig_toml::{SizedRig, brown_conrady, brown_conrady_terms};
 use crate::toml_text::{self, NotToml};
-use crate::yaml_text::{self, NotYaml, Number, plain, spell};
+use crate::yaml_text::{self, NotYaml, Number, spell};
 
 /// Why a text is no calibration of two cameras, or a rig goes into none.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -101,10 +101,18 @@ enum Node {
     Matrix {
         rows: usize,
         cols: usize,
-        data: Vec<Number>,
+        data: Vec<Entry>,
     },
     Number(Number),
     Other(IgnoredAny),
+}
+
+/// An entry of a matrix, or what stands in its place.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Entry {
+    Number(Number),
+    Word(String),
 }
 
 /// Decodes a calibration from one file or several; a later one adds to those before. A unit of its
@@ -116,29 +124,47 @@ enum Node {
 /// # Errors
 /// [`NotAStorage`] says what is missing or wrong, and in which line.
 pub fn decode(files: &[&[u8]], unit_m: f64) -> Result<SizedRig, NotAStorage> {
-    if !(unit_m.is_finite() && unit_m > 0.0) {
-        return Err(NotAStorage::Unit(unit_m));
-    }
     let mut storage = Storage::default();
     for bytes in files {
+        storage.add(Storage::of(bytes)?);
+    }
+    storage.rig(unit_m)
+}
+
+impl Storage {
+    /// What one file holds.
+    fn of(bytes: &[u8]) -> Result<Self, NotAStorage> {
+        let mut storage = Self::default();
         let marked = toml_text::text(bytes)?.trim_start_matches('\u{feff}');
         if marked.trim_start().starts_with('<') {
             storage.add_xml(marked)?;
         } else {
             storage.add_yaml(bytes)?;
         }
+        Ok(storage)
     }
-    storage.rig(unit_m)
-}
 
-impl Storage {
+    /// What a later file holds takes the place of what is there under the same name.
+    fn add(&mut self, later: Self) {
+        self.matrices.extend(later.matrices);
+        self.numbers.extend(later.numbers);
+    }
+
     fn add_yaml(&mut self, bytes: &[u8]) -> Result<(), NotAStorage> {
         let nodes: BTreeMap<String, Node> = yaml_text::decode(bytes)?;
         for (key, node) in nodes {
             match node {
                 Node::Matrix { rows, cols, data } => {
                     let line = yaml_text::line_of(bytes, &[&key]);
-                    let numbers = plain(&data);
+                    let numbers = data.into_iter().map(|entry| match entry {
+                        Entry::Number(number) => Ok(number.0),
+                        Entry::Word(word) => Err(NotAStorage::Matrix {
+                            line,
+                            key: key.clone(),
+                            what: format!("has '{word}', which is no number"),
+                        }),
+                    });
+                    let numbers = numbers.collect::<Result<_, _>>()?;
                     let matrix = Matrix {
                         rows,
                         cols,
@@ -220,6 +246,9 @@ impl Storage {
     }
 
     fn rig(&self, unit_m: f64) -> Result<SizedRig, NotAStorage> {
+        if !(unit_m.is_finite() && unit_m > 0.0) {
+            return Err(NotAStorage::Unit(unit_m));
+        }
         let fisheye = self.numbers.get(FISHEYE).is_some_and(|&said| said != 0.0);
         let camera = |which: usize| {
             let (name, matrix) = self.matrix(which)?;
@@ -361,25 +390,31 @@ pub fn encode(sized: &SizedRig, form: Form) -> Vec<u8> {
 /// Reads a calibration from one file, or from the two that OpenCV's sample writes; see [`decode`].
 ///
 /// # Errors
-/// [`Unreadable`] names the file and what is wrong; what several lack together stands with the first.
+/// [`Unreadable`] names the file and what is wrong with it; what several lack together stands with the
+/// first.
 pub fn read(paths: &[PathBuf], unit_m: f64) -> Result<SizedRig, Unreadable<NotAStorage>> {
-    let [first, rest @ ..] = paths else {
+    let [first, ..] = paths else {
         return Err(Unreadable::Content {
             path: PathBuf::new(),
             cause: NotAStorage::Missing("M1"),
         });
     };
-    let mut others = Vec::new();
-    for path in rest {
-        others.push(file::read(path, |bytes| {
-            Ok::<_, NotAStorage>(bytes.to_vec())
-        })?);
+    let mut storage = Storage::default();
+    let mut stands_in = BTreeMap::new();
+    for path in paths {
+        let part = file::read(path, Storage::of)?;
+        stands_in.extend(part.matrices.keys().map(|key| (key.clone(), path)));
+        storage.add(part);
     }
-    file::read(first, |bytes| {
-        let files: Vec<&[u8]> = std::iter::once(bytes)
-            .chain(others.iter().map(Vec::as_slice))
-            .collect();
-        decode(&files, unit_m)
+    storage.rig(unit_m).map_err(|cause| {
+        let of_matrix = match &cause {
+            NotAStorage::Matrix { key, .. } => stands_in.get(key).copied(),
+            _ => None,
+        };
+        Unreadable::Content {
+            path: of_matrix.unwrap_or(first).clone(),
+            cause,
+        }
     })
 }
 

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use image::codecs::png::CompressionType;
 use ndarray::{Array2, ArrayView2, Zip};
 use v1_gabor::{Binocular, LumaImage, Size};
 
@@ -126,7 +127,15 @@ pub fn read_luma_pair(paths: Binocular<&Path>) -> Result<Binocular<LumaImage>, N
 /// # Errors
 /// [`NotAPng`] if the plane has no pixel.
 pub fn encode_rgb(rgb: ArrayView2<'_, [u8; 3]>) -> Result<Vec<u8>, NotAPng> {
-    raster::encode_rgb8(rgb)
+    raster::encode_rgb8(rgb, CompressionType::Fast)
+}
+
+/// The same in few bytes: for pictures that are kept, as it takes many times as long.
+///
+/// # Errors
+/// [`NotAPng`] if the plane has no pixel.
+pub fn encode_rgb_small(rgb: ArrayView2<'_, [u8; 3]>) -> Result<Vec<u8>, NotAPng> {
+    raster::encode_rgb8(rgb, CompressionType::Best)
 }
 
 /// The bytes of a small colour JPEG to look at, never to measure in: at most `most_width` pixels wide,

@@ -2,7 +2,7 @@
 
 use std::io::Cursor;
 
-use image::codecs::png::PngEncoder;
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{
     ColorType, DynamicImage, ExtendedColorType, ImageDecoder as _, ImageEncoder as _, ImageFormat,
     ImageReader, Limits,
@@ -305,6 +305,7 @@ pub(crate) fn encode_grey8(plane: ArrayView2<'_, u8>) -> Result<Vec<u8>, NotAPng
         Size::of_dim(plane.dim()),
         &plane.iter().copied().collect::<Vec<_>>(),
         ExtendedColorType::L8,
+        CompressionType::Fast,
     )
 }
 
@@ -312,23 +313,38 @@ pub(crate) fn encode_grey8(plane: ArrayView2<'_, u8>) -> Result<Vec<u8>, NotAPng
 pub(crate) fn encode_grey16(plane: ArrayView2<'_, u16>) -> Result<Vec<u8>, NotAPng> {
     // The encoder takes the machine's byte order and writes the file's.
     let samples: Vec<u8> = plane.iter().flat_map(|code| code.to_ne_bytes()).collect();
-    encode(Size::of_dim(plane.dim()), &samples, ExtendedColorType::L16)
+    let size = Size::of_dim(plane.dim());
+    encode(
+        size,
+        &samples,
+        ExtendedColorType::L16,
+        CompressionType::Fast,
+    )
 }
 
 /// An 8-bit colour PNG.
-pub(crate) fn encode_rgb8(plane: ArrayView2<'_, [u8; 3]>) -> Result<Vec<u8>, NotAPng> {
+pub(crate) fn encode_rgb8(
+    plane: ArrayView2<'_, [u8; 3]>,
+    compression: CompressionType,
+) -> Result<Vec<u8>, NotAPng> {
     let samples: Vec<u8> = plane.iter().flatten().copied().collect();
-    encode(Size::of_dim(plane.dim()), &samples, ExtendedColorType::Rgb8)
+    let size = Size::of_dim(plane.dim());
+    encode(size, &samples, ExtendedColorType::Rgb8, compression)
 }
 
-fn encode(size: Size, samples: &[u8], kind: ExtendedColorType) -> Result<Vec<u8>, NotAPng> {
+fn encode(
+    size: Size,
+    samples: &[u8],
+    kind: ExtendedColorType,
+    compression: CompressionType,
+) -> Result<Vec<u8>, NotAPng> {
     let side = |pixels: usize| u32::try_from(pixels).ok().filter(|&side| side > 0);
     let (Some(width), Some(height)) = (side(size.width), side(size.height)) else {
         return Err(NotAPng(size));
     };
     let mut bytes = Vec::new();
     // The encoder refuses sizes alone: a growing buffer takes every byte.
-    PngEncoder::new(&mut bytes)
+    PngEncoder::new_with_quality(&mut bytes, compression, FilterType::Adaptive)
         .write_image(samples, width, height, kind)
         .map_err(|_| NotAPng(size))?;
     Ok(bytes)

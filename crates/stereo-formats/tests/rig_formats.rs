@@ -253,4 +253,25 @@ fn refusals_name_the_line() {
         &opencv_storage::decode(&[], 0.0).unwrap_err(),
         &["unit of 0"],
     );
+    let pose = fs::read_to_string(fixture("opencv_extrinsics.yml")).unwrap();
+    let pose = pose.replacen("0., 1., 0.,", "0., one, 0.,", 1);
+    said(
+        &opencv_storage::decode(&[pose.as_bytes()], 1.0).unwrap_err(),
+        &["line 3", "R has 'one'"],
+    );
+}
+
+/// Of two files that one of them is named in which the wrong matrix stands.
+#[test]
+fn refusals_name_the_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let wrong = folder.path().join("wrong.yml");
+    let pose = fs::read_to_string(fixture("opencv_extrinsics.yml")).unwrap();
+    fs::write(&wrong, pose.replacen("rows: 3", "rows: 4", 1)).expect("it is written");
+    let refused = opencv_storage::read(&[fixture("opencv_intrinsics.yml"), wrong], 1.0);
+    let words = refused.unwrap_err().to_string();
+    assert!(
+        words.contains("wrong.yml: line 3: R has 9 numbers for 4 x 3"),
+        "{words}"
+    );
 }
