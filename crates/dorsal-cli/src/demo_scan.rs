@@ -1,5 +1,5 @@
 use std::fs;
-use std::io::Write;
+use std::io::{Cursor, Write};
 
 use anyhow::{Context as _, bail};
 use dorsal::Names;
@@ -9,6 +9,7 @@ use dorsal_scan::{
 };
 use stereo_formats::{picture, rig_toml};
 use stereo_scenes::Room;
+use stereo_streams::{LoggedLook, LookLog};
 
 use crate::console::Console;
 use crate::memory_file::MemoryFile;
@@ -17,6 +18,7 @@ use crate::report::{Frame, scan_page};
 use crate::scan_arguments::ScanArguments;
 use crate::scan_record::{LookOfScan, ScanRecord};
 use crate::scan_step::ScanStep;
+use crate::sight_log::write_log;
 use crate::times::Times;
 
 /// `dorsal demo scan`: lets a head scan a room, writes what it saw and remembers, and holds the map
@@ -54,6 +56,9 @@ pub(crate) fn demo_scan(arguments: &ScanArguments, out: &mut dyn Write) -> anyho
         &score,
         &asked,
     )?;
+    if let (Some(path), Some(log)) = (&arguments.mcap, scanned.log) {
+        write_log(path, log)?;
+    }
     let mut files = scanned.files;
     files.add("index.html", move || anyhow::Ok(page));
     files.add("scan.json", || serde_json::to_vec_pretty(&record));
@@ -107,6 +112,7 @@ struct Scanned {
     moved: Option<String>,
     /// Where everything truly is now.
     truth: TruePlaces,
+    log: Option<LookLog<Cursor<Vec<u8>>>>,
 }
 
 impl Scanned {
@@ -143,6 +149,11 @@ impl Scanned {
         let scan = Scan::resume(room, params, memory)?;
         Ok(Self {
             truth: scan.truth()?,
+            log: arguments
+                .mcap
+                .as_ref()
+                .map(|_| LookLog::begin(Cursor::new(Vec::new())))
+                .transpose()?,
             scan,
             names,
             file,
@@ -173,6 +184,20 @@ impl Scanned {
         }
         if look.moved.is_some() {
             self.truth = self.scan.truth()?;
+        }
+        if let Some(log) = &self.log {
+            let scene = &look.percept.qualitative;
+            let relations = scene.relations();
+            let relations = relations.iter().map(|r| r.record(scene.reference()));
+            log.look(&LoggedLook {
+                time_ns: look.memory.time_ms() * 1_000_000,
+                pictures: look.shown.pictures.as_ref().map(|picture| picture.view()),
+                rig: Some(&look.rig),
+                depth: Some(&look.percept.depth),
+                objects: &look.percept.egocentric.objects,
+                names: &self.names,
+                relations: relations.collect(),
+            })?;
         }
         let step = ScanStep { look, times };
         self.frames

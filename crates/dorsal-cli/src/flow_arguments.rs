@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::look_arguments::{energy, scales};
+use crate::look_options::{energy, scales};
 use crate::threads::Threads;
 
 /// What `dorsal flow` is asked to do.

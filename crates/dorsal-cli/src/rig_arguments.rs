@@ -3,7 +3,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand, ValueEnum};
 use dorsal::v1_gabor::Size;
 
-use crate::look_arguments::scales;
+use crate::look_options::scales;
 
 /// What `dorsal rig` is asked to do.
 #[derive(Debug, Args)]
