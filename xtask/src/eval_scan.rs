@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, bail};
 use clap::Args;
-use dorsal_scan::{Scan, ScanParams, random_room};
+use dorsal_scan::{Scan, ScanParams, figure_12, random_room};
 
 use crate::clocked::clocked;
 use crate::date;
@@ -71,6 +71,9 @@ pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
     }
 }
 
+/// How many looks the question for a hand's way may cost.
+const WAY_LOOKS: usize = 3;
+
 fn scan(room: u64, fixations: usize) -> anyhow::Result<Scanned> {
     let params = ScanParams {
         fixations,
@@ -88,6 +91,16 @@ fn scan(room: u64, fixations: usize) -> anyhow::Result<Scanned> {
         let (look, clocked) = clocked(|| scan.perceive(shown, stirred));
         times.push(clocked);
         refused += usize::from(look?.refused.is_some());
+    }
+    // The ways are asked for as in the demo; these looks are not timed, for they look twice.
+    if let Some([grasped, _]) = figure_12(scan.memory()) {
+        for _ in 0..WAY_LOOKS {
+            let Some(fixation) = scan.on_the_way(&grasped) else {
+                break;
+            };
+            let shown = scan.show(&fixation)?;
+            refused += usize::from(scan.perceive(shown, None)?.refused.is_some());
+        }
     }
     Ok(Scanned::new(room, &scan.score()?, &times, refused, moved))
 }

@@ -21,6 +21,9 @@ use crate::scan_step::ScanStep;
 use crate::sight_log::write_log;
 use crate::times::Times;
 
+/// How many looks a question may cost.
+const MOST_LOOKS_ALONG: usize = 3;
+
 /// `dorsal demo scan`: lets a head scan a room, writes what it saw and remembers, and holds the map
 /// against the room.
 pub(crate) fn demo_scan(arguments: &ScanArguments, out: &mut dyn Write) -> anyhow::Result<()> {
@@ -31,8 +34,16 @@ pub(crate) fn demo_scan(arguments: &ScanArguments, out: &mut dyn Write) -> anyho
     while let Some(fixation) = scanned.scan.next() {
         scanned.look(&fixation, &console, out)?;
     }
-    // The look of Figure 12 comes on top: at one object, without the other.
+    // The looks of Figure 12 come on top: along the way that is asked for, as long as the map has no answer,
+    // and at one object without the other.
     let pair = figure_12(scanned.scan.memory());
+    for _ in 0..MOST_LOOKS_ALONG {
+        let grasped = pair.as_ref().map(|[grasped, _]| grasped);
+        let Some(fixation) = grasped.and_then(|grasped| scanned.scan.on_the_way(grasped)) else {
+            break;
+        };
+        scanned.look(&fixation, &console, out)?;
+    }
     let hidden = pair.as_ref().and_then(|[a, b]| scanned.scan.without(a, b));
     if let Some(fixation) = &hidden {
         scanned.look(fixation, &console, out)?;
@@ -42,10 +53,14 @@ pub(crate) fn demo_scan(arguments: &ScanArguments, out: &mut dyn Write) -> anyho
     let (score, truth) = (scanned.scan.score()?, scanned.truth);
     let memory = scanned.scan.memory().clone();
     let pair = pair.filter(|_| hidden.is_some());
-    let asked = ask_all(&memory, &truth, pair.as_ref(), scanned.moved.as_deref());
+    let way_is_free = pair
+        .as_ref()
+        .is_some_and(|[grasped, _]| scanned.scan.way_is_free(grasped));
+    let moved = scanned.moved.as_deref();
+    let asked = ask_all(&memory, &truth, pair.as_ref(), way_is_free, moved);
     let knows = pair
         .as_ref()
-        .is_none_or(|pair| knows_figure_12(&memory, &truth, pair));
+        .is_none_or(|pair| knows_figure_12(&memory, &truth, pair, way_is_free));
 
     console.step("writing");
     let record = ScanRecord::new(scanned.looks, &memory, &truth, &score, &asked);
