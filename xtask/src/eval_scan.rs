@@ -9,6 +9,7 @@ use crate::date;
 use crate::docs_folder::docs_folder;
 use crate::eval_middlebury::{progress, write_file};
 use crate::machine::Machine;
+use crate::scan_in_results;
 use crate::scan_run::{ScanRun, Scanned};
 
 /// Lets a head scan random rooms, and counts what its map gets right.
@@ -64,6 +65,9 @@ pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
     let docs = || docs_folder().map(|docs| docs.join("scan.md"));
     if let Some(path) = options.results.clone().or_else(docs) {
         write_file(&path, run.page().as_bytes())?;
+    }
+    if let (None, Some(docs)) = (&options.results, docs_folder()) {
+        scan_in_results::refresh(&docs)?;
     }
     match run.missed() {
         Some(missed) if options.check => bail!(missed),

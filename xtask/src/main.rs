@@ -71,6 +71,7 @@ mod robustness_page;
 mod robustness_run;
 mod robustness_series;
 mod rows_only;
+mod scan_in_results;
 mod scan_run;
 mod score;
 mod score_tables;

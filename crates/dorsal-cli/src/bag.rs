@@ -32,7 +32,9 @@ pub(crate) fn bag(arguments: &BagArguments, out: &mut dyn Write) -> anyhow::Resu
         None => cameras(arguments, &console)?,
     };
     if rig.is_none() {
-        console.note("neither --rig nor --info, nor a camera_info beside the pictures: there is no depth");
+        console.note(
+            "neither --rig nor --info, nor a camera_info beside the pictures: there is no depth",
+        );
     }
     let path = &arguments.bag;
     let file = || path.display();
@@ -82,7 +84,10 @@ pub(crate) fn bag(arguments: &BagArguments, out: &mut dyn Write) -> anyhow::Resu
             }
             Err(error) => {
                 met.broken += 1;
-                console.note(&format!("the pair at {:.3} s: {error:#}", time_ns as f64 / 1e9));
+                console.note(&format!(
+                    "the pair at {:.3} s: {error:#}",
+                    time_ns as f64 / 1e9
+                ));
                 continue;
             }
         };
@@ -238,7 +243,10 @@ fn cameras(arguments: &BagArguments, console: &Console) -> anyhow::Result<Option
             let rectified = arguments.rectified || arguments.left.contains("rect");
             let rig = recorded_rig(&Binocular { left, right }, rectified);
             Ok(Some(rig.with_context(|| {
-                format!("the cameras of {} are no rig; give one with --rig", path.display())
+                format!(
+                    "the cameras of {} are no rig; give one with --rig",
+                    path.display()
+                )
             })?))
         }
         (left_found, _) if named.is_some() => bail!(
@@ -264,7 +272,11 @@ fn inputs(arguments: &BagArguments) -> Inputs {
     Inputs {
         left: format!("{bag} {}", arguments.left),
         right: format!("{bag} {}", arguments.right),
-        rig: arguments.options.rig.as_ref().map(|rig| rig.display().to_string()),
+        rig: arguments
+            .options
+            .rig
+            .as_ref()
+            .map(|rig| rig.display().to_string()),
         labels: None,
         names: None,
     }

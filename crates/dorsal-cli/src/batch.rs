@@ -71,7 +71,10 @@ impl State {
 pub(crate) fn batch(arguments: &LookArguments, out: &mut dyn Write) -> anyhow::Result<()> {
     let pairs = pairs(&arguments.left)?;
     fs::create_dir_all(&arguments.out).with_context(|| {
-        format!("the folder {} cannot be made; choose another --out", arguments.out.display())
+        format!(
+            "the folder {} cannot be made; choose another --out",
+            arguments.out.display()
+        )
     })?;
     let _held = hold(&arguments.out)?;
     keep_options(arguments)?;
@@ -99,8 +102,16 @@ pub(crate) fn batch(arguments: &LookArguments, out: &mut dyn Write) -> anyhow::R
         version: env!("CARGO_PKG_VERSION"),
         pairs: &records,
     };
-    write(&arguments.out, "summary.json", &serde_json::to_vec_pretty(&record)?)?;
-    write(&arguments.out, "index.html", batch_page(&records).as_bytes())?;
+    write(
+        &arguments.out,
+        "summary.json",
+        &serde_json::to_vec_pretty(&record)?,
+    )?;
+    write(
+        &arguments.out,
+        "index.html",
+        batch_page(&records).as_bytes(),
+    )?;
 
     let mut table = TextTable::new(["pair", "state", ">valid %", ">median px", ">s"]);
     let number = |number: Option<f64>, digits: usize| {
@@ -116,7 +127,12 @@ pub(crate) fn batch(arguments: &LookArguments, out: &mut dyn Write) -> anyhow::R
         ]);
     }
     writeln!(out, "{table}")?;
-    let count = |state| records.iter().filter(|record| record.state == state).count();
+    let count = |state| {
+        records
+            .iter()
+            .filter(|record| record.state == state)
+            .count()
+    };
     writeln!(
         out,
         "{} pairs: {} done, {} kept, {} failed, in {:.1} s",
@@ -185,8 +201,9 @@ fn progress(pairs: usize, quiet: bool) -> ProgressBar {
     } else {
         ProgressDrawTarget::stderr()
     };
-    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} pairs, {elapsed} gone, {eta} left")
-        .unwrap_or_else(|_| ProgressStyle::default_bar());
+    let style =
+        ProgressStyle::with_template("{bar:30} {pos}/{len} pairs, {elapsed} gone, {eta} left")
+            .unwrap_or_else(|_| ProgressStyle::default_bar());
     ProgressBar::with_draw_target(Some(pairs as u64), target).with_style(style)
 }
 
@@ -232,7 +249,10 @@ fn finished(folder: &Path, inputs: &Inputs) -> Option<(Option<f64>, Option<f64>)
     let text = fs::read(folder.join("look.json")).ok()?;
     let look: serde_json::Value = serde_json::from_slice(&text).ok()?;
     let same = look["inputs"]["left"] == *inputs.left && look["inputs"]["right"] == *inputs.right;
-    let numbers = (look["density"].as_f64(), look["disparity_px"]["median"].as_f64());
+    let numbers = (
+        look["density"].as_f64(),
+        look["disparity_px"]["median"].as_f64(),
+    );
     same.then_some(numbers)
 }
 
@@ -254,7 +274,13 @@ fn look_into(
     })?;
     let plan = options.plan(eyes.left.size(), options.rig()?, None)?;
     let sight = plan.look(&eyes, &mut times, &console)?;
-    let record = LookRecord::new(&plan, &sight, &times, inputs(arguments, pair), options.dense);
+    let record = LookRecord::new(
+        &plan,
+        &sight,
+        &times,
+        inputs(arguments, pair),
+        options.dense,
+    );
     let (density, median_px) = (sight.disparity.density(), record.median_disparity_px());
     let mut files = look_files(&plan, &sight, &eyes, record);
     files.add("index.html", || {

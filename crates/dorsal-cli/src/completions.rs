@@ -29,7 +29,12 @@ pub(crate) fn completions(
 ) -> anyhow::Result<()> {
     // Kept in memory first: the generator takes a reader that has gone for a fault of its own.
     let mut text = Vec::new();
-    clap_complete::generate(arguments.shell, &mut Arguments::command(), "dorsal", &mut text);
+    clap_complete::generate(
+        arguments.shell,
+        &mut Arguments::command(),
+        "dorsal",
+        &mut text,
+    );
     Ok(out.write_all(&text)?)
 }
 

@@ -54,6 +54,7 @@ Files written:
   validity.png     255 valid, 200 inconsistent, 150 occluded, 100 out of view, 50 incoherent,
                    25 singular, 0 no energy
   flow.json        parameters, densities, speeds, times
+  index.html       all of it to look at: one page, no network
 
 Examples:
   dorsal flow frame1.png frame2.png --out out

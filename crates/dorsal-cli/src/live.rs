@@ -29,15 +29,19 @@ pub(crate) fn live(arguments: &LiveArguments, out: &mut dyn Write) -> anyhow::Re
     console.step("waiting for the first frame");
     let source = BufReader::new(io::stdin());
     let frames = match (arguments.format, arguments.size) {
-        (Format::Gray, Some(size)) => Incoming::from(arguments.every_frame, move || {
-            SideBySide::raw(source, size)
-        }),
+        (Format::Gray, Some(size)) => {
+            Incoming::from(arguments.every_frame, move || SideBySide::raw(source, size))
+        }
         _ => Incoming::from(arguments.every_frame, move || SideBySide::y4m(source)),
     };
     let mut ending = Ok(());
     while !stream.is_done() {
         match frames.next(&interruption) {
-            Next::Frame { eyes, time_ns, dropped } => {
+            Next::Frame {
+                eyes,
+                time_ns,
+                dropped,
+            } => {
                 let sentence = stream.look(&eyes, time_ns, dropped)?;
                 console.step(format!("{sentence}; {dropped} dropped"));
             }
@@ -145,7 +149,11 @@ impl Incoming {
             if let Some((eyes, time_ns)) = mail.newest.take() {
                 changed.notify_all();
                 let dropped = mail.dropped;
-                return Next::Frame { eyes, time_ns, dropped };
+                return Next::Frame {
+                    eyes,
+                    time_ns,
+                    dropped,
+                };
             }
             if let Some(end) = mail.end.take() {
                 return Next::End(end);
@@ -164,7 +172,11 @@ fn inputs(arguments: &LiveArguments) -> Inputs {
     Inputs {
         left: "standard input, left half".to_owned(),
         right: "standard input, right half".to_owned(),
-        rig: arguments.options.rig.as_ref().map(|rig| rig.display().to_string()),
+        rig: arguments
+            .options
+            .rig
+            .as_ref()
+            .map(|rig| rig.display().to_string()),
         labels: None,
         names: None,
     }

@@ -32,11 +32,7 @@ pub(crate) fn look(arguments: &LookArguments, out: &mut dyn Write) -> anyhow::Re
     }
 }
 
-fn look_once(
-    arguments: &LookArguments,
-    right: &Path,
-    out: &mut dyn Write,
-) -> anyhow::Result<()> {
+fn look_once(arguments: &LookArguments, right: &Path, out: &mut dyn Write) -> anyhow::Result<()> {
     let options = &arguments.options;
     let console = Console::new(arguments.quiet);
     let mut times = Times::default();
@@ -86,7 +82,13 @@ fn look_once(
     }
 
     console.step("writing");
-    let record = LookRecord::new(&plan, &sight, &times, inputs(arguments, right), options.dense);
+    let record = LookRecord::new(
+        &plan,
+        &sight,
+        &times,
+        inputs(arguments, right),
+        options.dense,
+    );
     let median_px = record.median_disparity_px();
     let mut files = look_files(&plan, &sight, &eyes, record);
     files.add("index.html", || {

@@ -26,7 +26,12 @@ pub(crate) struct LookArguments {
 
     /// The objects in the left image: a PNG whose samples are labels, or a TOML of outlines;
     /// needs --rig. The vector pyramid then gives more pixels, each a little less sure
-    #[arg(long, value_name = "LABELS", requires = "rig", conflicts_with = "segment")]
+    #[arg(
+        long,
+        value_name = "LABELS",
+        requires = "rig",
+        conflicts_with = "segment"
+    )]
     pub(crate) labels: Option<PathBuf>,
 
     /// The names of the labels of a PNG: a TOML table "names" with lines such as 1 = "cup"; a TOML
@@ -105,14 +110,23 @@ impl LookArguments {
     pub(crate) fn conflict(&self) -> Option<String> {
         if self.right.is_none() {
             let given = [
-                (self.labels.is_some(), "--labels belong to one picture; find objects with --segment"),
-                (self.mcap.is_some(), "--mcap logs one look; dorsal bag and dorsal live log many"),
+                (
+                    self.labels.is_some(),
+                    "--labels belong to one picture; find objects with --segment",
+                ),
+                (
+                    self.mcap.is_some(),
+                    "--mcap logs one look; dorsal bag and dorsal live log many",
+                ),
             ];
             if let Some((_, why)) = given.iter().find(|(given, _)| *given) {
                 return Some(format!("many pairs are looked at, and {why}"));
             }
         } else if self.again {
-            return Some("--again is for a folder or a list of pairs; one pair is always looked at".to_owned());
+            return Some(
+                "--again is for a folder or a list of pairs; one pair is always looked at"
+                    .to_owned(),
+            );
         }
         let outlines = self.labels.as_deref().is_some_and(is_toml);
         if outlines && self.names.is_some() {

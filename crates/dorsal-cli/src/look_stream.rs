@@ -88,7 +88,10 @@ impl<'a> LookStream<'a> {
         let lines: Option<Lines<'a>> = match &into.jsonl {
             Some(path) if path.as_os_str() != "-" => {
                 let file = File::create(path).with_context(|| {
-                    format!("{} cannot be written; its folder must exist", path.display())
+                    format!(
+                        "{} cannot be written; its folder must exist",
+                        path.display()
+                    )
                 })?;
                 Some(Lines {
                     out: Box::new(BufWriter::new(file)),
@@ -132,7 +135,11 @@ impl<'a> LookStream<'a> {
         dropped: u64,
     ) -> anyhow::Result<String> {
         let size = eyes.left.size();
-        if self.plan.as_ref().is_none_or(|(planned, _)| *planned != size) {
+        if self
+            .plan
+            .as_ref()
+            .is_none_or(|(planned, _)| *planned != size)
+        {
             self.plan = Some((size, self.options.plan(size, self.rig, None)?));
         }
         let (_, plan) = self.plan.as_ref().context("it was planned")?;
@@ -140,13 +147,21 @@ impl<'a> LookStream<'a> {
         // Steps and notes of each of many looks would bury what matters.
         let sight = plan.look(eyes, &mut times, &Console::new(true))?;
         self.looks += 1;
-        let record = LookRecord::new(plan, &sight, &times, self.source.clone(), self.options.dense);
+        let record = LookRecord::new(
+            plan,
+            &sight,
+            &times,
+            self.source.clone(),
+            self.options.dense,
+        );
         let median_px = record.median_disparity_px();
         if let Some(folder) = self.folder {
             let folder = folder.join(format!("{:06}", self.looks));
             let title = format!("Look {}", self.looks);
             let mut files = look_files(plan, &sight, eyes, record);
-            files.add("index.html", || look_page(&title, plan, &sight, eyes, &times));
+            files.add("index.html", || {
+                look_page(&title, plan, &sight, eyes, &times)
+            });
             files.write(&folder)?;
         }
         if let Some(log) = &self.log {
@@ -157,7 +172,10 @@ impl<'a> LookStream<'a> {
             "look {}: {:.1} % valid, {} objects, {:.0} ms",
             self.looks,
             100.0 * density,
-            sight.scene.as_ref().map_or(0, |scene| scene.egocentric.objects.len()),
+            sight
+                .scene
+                .as_ref()
+                .map_or(0, |scene| scene.egocentric.objects.len()),
             times.milliseconds().iter().map(|(_, ms)| ms).sum::<f64>(),
         );
         if let Some(lines) = &mut self.lines {
@@ -189,10 +207,18 @@ fn line(
     time_ms: Times,
 ) -> LookLine {
     let none = Names::new();
-    let names = sight.objects.as_ref().map_or(&none, |objects| &objects.names);
+    let names = sight
+        .objects
+        .as_ref()
+        .map_or(&none, |objects| &objects.names);
     let scene = sight.scene.as_ref();
     let median_depth_m = sight.depth.as_ref().and_then(|depth| {
-        let mut known: Vec<f32> = depth.metres().iter().copied().filter(|m| m.is_finite()).collect();
+        let mut known: Vec<f32> = depth
+            .metres()
+            .iter()
+            .copied()
+            .filter(|m| m.is_finite())
+            .collect();
         let middle = known.len() / 2;
         (!known.is_empty()).then(|| *known.select_nth_unstable_by(middle, f32::total_cmp).1)
     });

@@ -66,7 +66,11 @@ fn of_list(text: &str, folder: &Path) -> anyhow::Result<Vec<NamedPair>> {
             line.split_whitespace().collect()
         };
         let (left, right, name) = match words[..] {
-            [left, right] => (left, right, format!("{:04}_{}", found.len() + 1, stem(Path::new(left)))),
+            [left, right] => (
+                left,
+                right,
+                format!("{:04}_{}", found.len() + 1, stem(Path::new(left))),
+            ),
             [left, right, name] => (left, right, name.to_owned()),
             _ => bail!(
                 "line {number} has {} words and needs LEFT, RIGHT and perhaps a NAME, split by tabs, \
@@ -75,7 +79,10 @@ fn of_list(text: &str, folder: &Path) -> anyhow::Result<Vec<NamedPair>> {
             ),
         };
         let plain = !name.is_empty() && !name.starts_with('.') && !name.contains(['/', '\\']);
-        ensure!(plain, "line {number}: '{name}' cannot be the name of a folder");
+        ensure!(
+            plain,
+            "line {number}: '{name}' cannot be the name of a folder"
+        );
         found.push(NamedPair {
             name,
             files: Binocular {
@@ -96,7 +103,11 @@ fn of_folder(folder: &Path) -> anyhow::Result<Vec<NamedPair>> {
         for file in pictures(&left)? {
             let same = others.iter().find(|other| stem(other) == stem(&file));
             let partner = same.with_context(|| {
-                format!("{} has no picture of its name in {}", file.display(), right.display())
+                format!(
+                    "{} has no picture of its name in {}",
+                    file.display(),
+                    right.display()
+                )
             })?;
             found.push(NamedPair {
                 name: stem(&file),
@@ -112,7 +123,9 @@ fn of_folder(folder: &Path) -> anyhow::Result<Vec<NamedPair>> {
     if found.is_empty() {
         for inner in sorted(folder)?.into_iter().filter(|inner| inner.is_dir()) {
             let mut pairs = beside(&inner)?;
-            if pairs.len() == 1 && let Some(pair) = pairs.pop() {
+            if pairs.len() == 1
+                && let Some(pair) = pairs.pop()
+            {
                 let name = stem(&inner);
                 found.push(NamedPair { name, ..pair });
             }
@@ -143,7 +156,14 @@ fn beside(folder: &Path) -> anyhow::Result<Vec<NamedPair>> {
             let partner = files.iter().find(|file| stem(file) == other)?;
             let bare = format!("{}{}", &own[..at], &own[at + left.len()..]);
             let bare = bare.trim_matches(['_', '-', '.']).replace("__", "_");
-            Some((if bare.is_empty() { "pair".to_owned() } else { bare }, partner))
+            Some((
+                if bare.is_empty() {
+                    "pair".to_owned()
+                } else {
+                    bare
+                },
+                partner,
+            ))
         });
         if let Some((name, partner)) = partner {
             found.push(NamedPair {
@@ -179,7 +199,10 @@ fn sorted(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
 }
 
 fn stem(path: &Path) -> String {
-    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+    path.file_stem()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned()
 }
 
 #[cfg(test)]
@@ -224,7 +247,10 @@ mod tests {
 
         touch("two/left/a.png");
         touch("two/right/a.png");
-        assert_eq!(of_folder(&folder.path().join("two")).expect("pairs").len(), 1);
+        assert_eq!(
+            of_folder(&folder.path().join("two")).expect("pairs").len(),
+            1
+        );
         touch("two/left/b.png");
         assert!(of_folder(&folder.path().join("two")).is_err());
     }

@@ -11,7 +11,8 @@ use dorsal::egocentric_depth::{
 };
 use dorsal::v1_gabor::{BadParams, Binocular, FilterBank, GaborParams, LumaImage, NotAnImage};
 use dorsal::{
-    DenseLook, DepthEvidence, Error, Percept, Range, Rows, Search, object_id, observations, sightings,
+    DenseLook, DepthEvidence, Error, Percept, Range, Rows, Search, object_id, observations,
+    sightings,
 };
 use ndarray::{Array2, Array3, Axis};
 use stereo_scenes::{Exposure, Gaze, Head, NoGaze, NoView, Room, View, render};

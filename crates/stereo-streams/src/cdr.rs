@@ -23,7 +23,9 @@ pub enum NotCdr {
         length: usize,
     },
     /// A text is not UTF-8.
-    #[error("{field} is not UTF-8 text; the recording is damaged or the message is of another type")]
+    #[error(
+        "{field} is not UTF-8 text; the recording is damaged or the message is of another type"
+    )]
     Text {
         /// What was being read.
         field: &'static str,
@@ -150,6 +152,8 @@ mod tests {
     fn a_length_that_the_bytes_do_not_bear_out_is_refused() {
         let bytes = [0, 1, 0, 0, 255, 255, 255, 255, 65];
         let refused = Cdr::new(&bytes).and_then(|mut cdr| cdr.text("encoding").map(str::to_owned));
-        assert!(matches!(refused, Err(NotCdr::Short { needed, .. }) if needed == u32::MAX as usize));
+        assert!(
+            matches!(refused, Err(NotCdr::Short { needed, .. }) if needed == u32::MAX as usize)
+        );
     }
 }

@@ -41,9 +41,7 @@ pub fn decode_camera(bytes: &[u8]) -> Result<CameraInfo, NotARosCamera> {
     let model = cdr.text("distortion_model")?;
     let terms = cdr.u32("d")?;
     // The terms come one after another, so that a length that is a lie ends with the bytes.
-    let d: Vec<f64> = (0..terms)
-        .map(|_| cdr.f64("d"))
-        .collect::<Result<_, _>>()?;
+    let d: Vec<f64> = (0..terms).map(|_| cdr.f64("d")).collect::<Result<_, _>>()?;
     let k: [f64; 9] = cdr.f64s("k")?;
     let r: [f64; 9] = cdr.f64s("r")?;
     let projection: [f64; 12] = cdr.f64s("p")?;

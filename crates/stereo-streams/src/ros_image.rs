@@ -14,7 +14,9 @@ pub enum NotARosImage {
     #[error(transparent)]
     Cdr(#[from] NotCdr),
     /// The message is of another type.
-    #[error("it is a {0}; a picture is a sensor_msgs/msg/Image or a sensor_msgs/msg/CompressedImage")]
+    #[error(
+        "it is a {0}; a picture is a sensor_msgs/msg/Image or a sensor_msgs/msg/CompressedImage"
+    )]
     Type(String),
     /// The samples are of a kind that is not read here.
     #[error(

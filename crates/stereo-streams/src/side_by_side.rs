@@ -17,7 +17,9 @@ pub enum NotAStream {
         cause: io::Error,
     },
     /// The stream ends within a frame.
-    #[error("the stream ends in the middle of frame {frame}; whole frames before it have been used")]
+    #[error(
+        "the stream ends in the middle of frame {frame}; whole frames before it have been used"
+    )]
     Truncated {
         /// The frame, counted from 1.
         frame: u64,
@@ -140,8 +142,8 @@ impl<R: Read> SideBySide<R> {
         }
         self.frames = frame;
         let halves = |size| NotAStream::Halves(size);
-        let plane = Array2::from_shape_vec((height, width), bytes)
-            .map_err(|_| halves(self.layout.size))?;
+        let plane =
+            Array2::from_shape_vec((height, width), bytes).map_err(|_| halves(self.layout.size))?;
         let eye = |columns: std::ops::Range<usize>| {
             let half = plane.slice(s![.., columns]).to_owned();
             Picture::of_samples(Samples::Grey8(half)).map_err(|_| halves(self.layout.size))
@@ -187,7 +189,11 @@ fn header(line: &[u8]) -> Result<Layout, String> {
     }
     let (mut width, mut height, mut colours) = (0usize, 0usize, "420jpeg".to_owned());
     for word in words {
-        let number = || word[1..].parse().map_err(|_| format!("'{word}' is no size"));
+        let number = || {
+            word[1..]
+                .parse()
+                .map_err(|_| format!("'{word}' is no size"))
+        };
         match word.as_bytes().first() {
             Some(b'W') => width = number()?,
             Some(b'H') => height = number()?,
@@ -202,7 +208,11 @@ fn header(line: &[u8]) -> Result<Layout, String> {
         "422" => width.div_ceil(2).saturating_mul(height).saturating_mul(2),
         "444" => pixels.saturating_mul(2),
         "mono" => 0,
-        other => return Err(format!("samples of kind {other} are not read, only 420, 422, 444 and mono of eight bits")),
+        other => {
+            return Err(format!(
+                "samples of kind {other} are not read, only 420, 422, 444 and mono of eight bits"
+            ));
+        }
     };
     Ok(Layout {
         size: Size { width, height },
@@ -251,11 +261,23 @@ mod tests {
         let cut = &bytes[..bytes.len() - 1];
         let mut frames = SideBySide::y4m(cut).expect("a stream");
         assert!(matches!(frames.next(), Some(Ok(_))));
-        assert!(matches!(frames.next(), Some(Err(NotAStream::Truncated { frame: 2 }))));
-        let raw = SideBySide::raw(&bytes[..13], Size { width: 6, height: 2 });
+        assert!(matches!(
+            frames.next(),
+            Some(Err(NotAStream::Truncated { frame: 2 }))
+        ));
+        let raw = SideBySide::raw(
+            &bytes[..13],
+            Size {
+                width: 6,
+                height: 2,
+            },
+        );
         let mut raw = raw.expect("a stream");
         assert!(matches!(raw.next(), Some(Ok(_))));
-        assert!(matches!(raw.next(), Some(Err(NotAStream::Truncated { frame: 2 }))));
+        assert!(matches!(
+            raw.next(),
+            Some(Err(NotAStream::Truncated { frame: 2 }))
+        ));
     }
 
     #[test]

@@ -67,8 +67,20 @@ impl<T> StampPairs<T> {
             own.clear();
             let (other_ns, other) = other.pop_front()?;
             return Some(match side {
-                Side::Left => (stamp_ns, Binocular { left: message, right: other }),
-                Side::Right => (other_ns, Binocular { left: other, right: message }),
+                Side::Left => (
+                    stamp_ns,
+                    Binocular {
+                        left: message,
+                        right: other,
+                    },
+                ),
+                Side::Right => (
+                    other_ns,
+                    Binocular {
+                        left: other,
+                        right: message,
+                    },
+                ),
             });
         }
         let too_old = other.partition_point(|(other_ns, _)| *other_ns < stamp_ns);
