@@ -60,7 +60,9 @@ pub(crate) fn v1(arguments: &V1Arguments, out: &mut dyn Write) -> anyhow::Result
                 monogenic_files(&mut files, scale, planes);
             }
             let (scales, so_far, picture) = (responses.scales(), times.clone(), &picture);
-            files.add("index.html", move || monogenic_page(picture, scales, &so_far));
+            files.add("index.html", move || {
+                monogenic_page(picture, scales, &so_far)
+            });
             record.write(files, times, arguments, &console, out)
         }
     }
