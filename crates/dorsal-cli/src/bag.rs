@@ -214,11 +214,8 @@ fn cameras(arguments: &BagArguments, console: &Console) -> anyhow::Result<Option
     let mut found: [Option<CameraInfo>; 2] = [None, None];
     let mut pictures = 0;
     while found.iter().any(Option::is_none) {
-        let message = match bag.next() {
-            Some(Ok(message)) => message,
-            // What is wrong with the file is said when its pictures are read.
-            None | Some(Err(_)) => break,
-        };
+        // What is wrong with the file is said when its pictures are read.
+        let Some(Ok(message)) = bag.next() else { break };
         if *message.topic == *arguments.left {
             pictures += 1;
             if named.is_none() && pictures > PATIENCE {

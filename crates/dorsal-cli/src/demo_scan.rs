@@ -1,5 +1,5 @@
 use std::fs;
-use std::io::{Cursor, Write};
+use std::io::Write;
 
 use anyhow::{Context as _, bail};
 use dorsal::Names;
@@ -9,7 +9,7 @@ use dorsal_scan::{
 };
 use stereo_formats::{picture, rig_toml};
 use stereo_scenes::Room;
-use stereo_streams::{LoggedLook, LookLog};
+use stereo_streams::LoggedLook;
 
 use crate::console::Console;
 use crate::memory_file::MemoryFile;
@@ -18,7 +18,7 @@ use crate::report::{Frame, scan_page};
 use crate::scan_arguments::ScanArguments;
 use crate::scan_record::{LookOfScan, ScanRecord};
 use crate::scan_step::ScanStep;
-use crate::sight_log::write_log;
+use crate::sight_log::LogFile;
 use crate::times::Times;
 
 /// How many looks a question may cost.
@@ -71,9 +71,7 @@ pub(crate) fn demo_scan(arguments: &ScanArguments, out: &mut dyn Write) -> anyho
         &score,
         &asked,
     )?;
-    if let (Some(path), Some(log)) = (&arguments.mcap, scanned.log) {
-        write_log(path, log)?;
-    }
+    scanned.log.map_or(Ok(()), LogFile::finish)?;
     let mut files = scanned.files;
     files.add("index.html", move || anyhow::Ok(page));
     files.add("scan.json", || serde_json::to_vec_pretty(&record));
@@ -127,7 +125,7 @@ struct Scanned {
     moved: Option<String>,
     /// Where everything truly is now.
     truth: TruePlaces,
-    log: Option<LookLog<Cursor<Vec<u8>>>>,
+    log: Option<LogFile>,
 }
 
 impl Scanned {
@@ -164,11 +162,7 @@ impl Scanned {
         let scan = Scan::resume(room, params, memory)?;
         Ok(Self {
             truth: scan.truth()?,
-            log: arguments
-                .mcap
-                .as_ref()
-                .map(|_| LookLog::begin(Cursor::new(Vec::new())))
-                .transpose()?,
+            log: arguments.mcap.as_deref().map(LogFile::begin).transpose()?,
             scan,
             names,
             file,
@@ -204,7 +198,7 @@ impl Scanned {
             let scene = &look.percept.qualitative;
             let relations = scene.relations();
             let relations = relations.iter().map(|r| r.record(scene.reference()));
-            log.look(&LoggedLook {
+            log.add(&LoggedLook {
                 time_ns: look.memory.time_ms() * 1_000_000,
                 pictures: look.shown.pictures.as_ref().map(|picture| picture.view()),
                 rig: Some(&look.rig),

@@ -37,13 +37,9 @@ pub(crate) fn live(arguments: &LiveArguments, out: &mut dyn Write) -> anyhow::Re
     let mut ending = Ok(());
     while !stream.is_done() {
         match frames.next(&interruption) {
-            Next::Frame {
-                eyes,
-                time_ns,
-                dropped,
-            } => {
-                let sentence = stream.look(&eyes, time_ns, dropped)?;
-                console.step(format!("{sentence}; {dropped} dropped"));
+            Next::Frame(frame) => {
+                let sentence = stream.look(&frame.eyes, frame.time_ns, frame.dropped)?;
+                console.step(format!("{sentence}; {} dropped", frame.dropped));
             }
             Next::End(end) => {
                 ending = end;
@@ -66,7 +62,7 @@ pub(crate) fn live(arguments: &LiveArguments, out: &mut dyn Write) -> anyhow::Re
 #[derive(Debug, Default)]
 struct Mail {
     /// The newest frame that nobody has looked at, and when it came.
-    newest: Option<(Binocular<Picture>, u64)>,
+    newest: Option<(Box<Binocular<Picture>>, u64)>,
     dropped: u64,
     end: Option<Result<(), NotAStream>>,
 }
@@ -75,14 +71,18 @@ struct Mail {
 #[derive(Clone, Debug)]
 struct Incoming(Arc<(Mutex<Mail>, Condvar)>);
 
+/// A frame, when it came, and how many were dropped before it.
+#[derive(Debug)]
+struct Frame {
+    eyes: Box<Binocular<Picture>>,
+    time_ns: u64,
+    dropped: u64,
+}
+
 /// What comes next.
 #[derive(Debug)]
 enum Next {
-    Frame {
-        eyes: Binocular<Picture>,
-        time_ns: u64,
-        dropped: u64,
-    },
+    Frame(Frame),
     End(Result<(), NotAStream>),
     Interrupted,
 }
@@ -124,7 +124,7 @@ impl Incoming {
             }
             self.change(|mail| {
                 mail.dropped += u64::from(mail.newest.is_some());
-                mail.newest = Some((eyes, time_ns));
+                mail.newest = Some((Box::new(eyes), time_ns));
             });
         }
         Ok(())
@@ -149,11 +149,11 @@ impl Incoming {
             if let Some((eyes, time_ns)) = mail.newest.take() {
                 changed.notify_all();
                 let dropped = mail.dropped;
-                return Next::Frame {
+                return Next::Frame(Frame {
                     eyes,
                     time_ns,
                     dropped,
-                };
+                });
             }
             if let Some(end) = mail.end.take() {
                 return Next::End(end);

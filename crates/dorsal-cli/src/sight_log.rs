@@ -11,7 +11,7 @@ use stereo_streams::{LoggedLook, LookLog};
 use crate::sight::Sight;
 
 /// Adds what one look gave to a log.
-pub(crate) fn log_sight<W: Write + Seek + Send + 'static>(
+fn log_sight<W: Write + Seek + Send + 'static>(
     log: &LookLog<W>,
     time_ns: u64,
     sight: &Sight,
@@ -45,11 +45,6 @@ pub(crate) fn log_of_one(
 ) -> anyhow::Result<()> {
     let log = LookLog::begin(Cursor::new(Vec::new()))?;
     log_sight(&log, 0, sight, eyes)?;
-    write_log(path, log)
-}
-
-/// Writes a log that was kept in memory, whole or not at all.
-pub(crate) fn write_log(path: &Path, log: LookLog<Cursor<Vec<u8>>>) -> anyhow::Result<()> {
     let bytes = log.finish()?.into_inner();
     stereo_formats::replace(path, &bytes).with_context(|| no_place(path))
 }
@@ -83,6 +78,10 @@ impl LogFile {
         eyes: &Binocular<Picture>,
     ) -> anyhow::Result<()> {
         log_sight(&self.log, time_ns, sight, eyes).with_context(|| no_place(&self.path))
+    }
+
+    pub(crate) fn add(&self, look: &LoggedLook<'_>) -> anyhow::Result<()> {
+        self.log.look(look).with_context(|| no_place(&self.path))
     }
 
     /// Ends the log and gives it its name.
