@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, bail, ensure};
 use dorsal::v1_gabor::Binocular;
 
+use crate::wrong_call::WrongCall;
+
 /// A pair of pictures and what it is called.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct NamedPair {
@@ -18,12 +20,14 @@ pub(crate) fn pairs(path: &Path) -> anyhow::Result<Vec<NamedPair>> {
         of_folder(path)?
     } else {
         let extension = path.extension().and_then(|extension| extension.to_str());
-        ensure!(
-            extension.is_some_and(|extension| ["txt", "csv", "tsv"].contains(&extension)),
-            "{} is no folder and no list (.txt, .csv, .tsv); a single picture needs the right eye's \
-             after it",
-            path.display()
-        );
+        if !extension.is_some_and(|extension| ["txt", "csv", "tsv"].contains(&extension)) {
+            return Err(WrongCall(format!(
+                "{} is no folder and no list (.txt, .csv, .tsv); a single picture needs the right eye's \
+                 after it",
+                path.display()
+            ))
+            .into());
+        }
         let text = fs::read_to_string(path)
             .with_context(|| format!("{} cannot be read", path.display()))?;
         let folder = path.parent().unwrap_or(Path::new(""));

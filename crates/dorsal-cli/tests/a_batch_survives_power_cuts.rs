@@ -224,5 +224,6 @@ fn a_list_names_its_pairs() {
         "--out".as_ref(),
         out.as_os_str(),
     ]);
+    assert_eq!(said.code, Some(2));
     assert!(said.err.contains("needs the right eye's"), "{}", said.err);
 }

@@ -84,6 +84,9 @@ struct Channel {
 /// colour, and room for its header.
 const LONGEST_RECORD: usize = 1 << 30;
 
+/// How many bytes are asked for at once: memory grows with what has come, not with what a record claims.
+const MOST_AT_ONCE: usize = 1 << 20;
+
 impl<R: Read> Bag<R> {
     /// A bag of which the messages of these topics are wanted.
     pub fn new<'a>(source: R, topics: impl IntoIterator<Item = &'a str>) -> Self {
@@ -117,7 +120,7 @@ impl<R: Read> Bag<R> {
                 None => return Ok(None),
                 Some(Err(cause)) => return Err(refused(cause, self.read)),
                 Some(Ok(LinearReadEvent::ReadRequest(more))) => {
-                    let read = self.source.read(self.reader.insert(more));
+                    let read = self.source.read(self.reader.insert(more.min(MOST_AT_ONCE)));
                     let read = read.map_err(|cause| NotABag::Disk {
                         read: self.read,
                         cause,
