@@ -20,7 +20,7 @@ pub(crate) fn pairs(path: &Path) -> anyhow::Result<Vec<NamedPair>> {
         of_folder(path)?
     } else {
         let extension = path.extension().and_then(|extension| extension.to_str());
-        if !extension.is_some_and(|extension| ["txt", "csv", "tsv"].contains(&extension)) {
+        if extension.is_none_or(|extension| !["txt", "csv", "tsv"].contains(&extension)) {
             return Err(WrongCall(format!(
                 "{} is no folder and no list (.txt, .csv, .tsv); a single picture needs the right eye's \
                  after it",
