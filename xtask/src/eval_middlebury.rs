@@ -24,6 +24,7 @@ use crate::masks::Masks;
 use crate::pyramid_ablation_run::{AblatedScene, AblationRun};
 use crate::results_page::results_page;
 use crate::rows_only::{self, RowsOnly};
+use crate::scan_in_results;
 use crate::score::Score;
 use crate::score_tables;
 use crate::table_1;
@@ -443,6 +444,9 @@ fn write(evaluation: &Evaluation, options: &Options) -> anyhow::Result<()> {
     };
     if let Some(path) = options.results.clone().or_else(docs) {
         write_file(&path, results_page(evaluation).as_bytes())?;
+        if let (None, Some(docs)) = (&options.results, docs_folder()) {
+            scan_in_results::refresh(&docs)?;
+        }
     }
     Ok(())
 }

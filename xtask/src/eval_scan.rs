@@ -2,13 +2,14 @@ use std::path::PathBuf;
 
 use anyhow::{Context, bail};
 use clap::Args;
-use dorsal_scan::{Scan, ScanParams, random_room};
+use dorsal_scan::{Scan, ScanParams, figure_12, random_room};
 
 use crate::clocked::clocked;
 use crate::date;
 use crate::docs_folder::docs_folder;
 use crate::eval_middlebury::{progress, write_file};
 use crate::machine::Machine;
+use crate::scan_in_results;
 use crate::scan_run::{ScanRun, Scanned};
 
 /// Lets a head scan random rooms, and counts what its map gets right.
@@ -65,11 +66,17 @@ pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
     if let Some(path) = options.results.clone().or_else(docs) {
         write_file(&path, run.page().as_bytes())?;
     }
+    if let (None, Some(docs)) = (&options.results, docs_folder()) {
+        scan_in_results::refresh(&docs)?;
+    }
     match run.missed() {
         Some(missed) if options.check => bail!(missed),
         _ => Ok(()),
     }
 }
+
+/// How many looks the question for a hand's way may cost.
+const WAY_LOOKS: usize = 3;
 
 fn scan(room: u64, fixations: usize) -> anyhow::Result<Scanned> {
     let params = ScanParams {
@@ -88,6 +95,16 @@ fn scan(room: u64, fixations: usize) -> anyhow::Result<Scanned> {
         let (look, clocked) = clocked(|| scan.perceive(shown, stirred));
         times.push(clocked);
         refused += usize::from(look?.refused.is_some());
+    }
+    // The ways are asked for as in the demo; these looks are not timed, for they look twice.
+    if let Some([grasped, _]) = figure_12(scan.memory()) {
+        for _ in 0..WAY_LOOKS {
+            let Some(fixation) = scan.on_the_way(&grasped) else {
+                break;
+            };
+            let shown = scan.show(&fixation)?;
+            refused += usize::from(scan.perceive(shown, None)?.refused.is_some());
+        }
     }
     Ok(Scanned::new(room, &scan.score()?, &times, refused, moved))
 }

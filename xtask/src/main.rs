@@ -73,6 +73,7 @@ mod robustness_run;
 mod robustness_series;
 mod room_run;
 mod rows_only;
+mod scan_in_results;
 mod scan_run;
 mod score;
 mod score_tables;

@@ -1,9 +1,12 @@
 use clap::{CommandFactory as _, Parser, Subcommand, error::ErrorKind};
 
+use crate::bag_arguments::BagArguments;
 use crate::calibrate_arguments::CalibrateArguments;
+use crate::completions::{CompletionsArguments, ManArguments};
 use crate::compose_arguments::ComposeArguments;
 use crate::demo_arguments::DemoArguments;
 use crate::flow_arguments::FlowArguments;
+use crate::live_arguments::LiveArguments;
 use crate::look_arguments::LookArguments;
 use crate::memory_arguments::MemoryArguments;
 use crate::network_arguments::NetworkArguments;
@@ -31,8 +34,12 @@ pub(crate) struct Arguments {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Looks at a stereo pair and writes what is seen
+    /// Looks at a stereo pair, or at many, and writes what is seen
     Look(LookArguments),
+    /// Looks at the pairs of a ROS 2 recording
+    Bag(BagArguments),
+    /// Looks at a camera's frames as they come
+    Live(LiveArguments),
     /// Looks at a real pair and a rendered room, and compares with the truth
     Demo(DemoArguments),
     /// Corrects a rig by what its own eyes see, and says how well that is known
@@ -51,6 +58,10 @@ pub(crate) enum Command {
     Network(NetworkArguments),
     /// Remembers looks and facts in a file, and answers questions about them
     Memory(MemoryArguments),
+    /// Prints what a shell needs to complete this command's words
+    Completions(CompletionsArguments),
+    /// Prints the manual page, or writes those of all subcommands
+    Man(ManArguments),
 }
 
 const EXAMPLES: &str = "\
@@ -63,6 +74,12 @@ Examples:
       Disparity alone.
   dorsal look left.png right.png --out out --rig rig.toml --labels labels.toml
       Depth in metres, and the relations of the labelled objects.
+  dorsal look pairs/ --out out --rig rig.toml
+      Every pair of a folder; a batch that was cut off goes on.
+  dorsal bag walk.mcap --left /left/image_raw --right /right/image_raw --mcap looks.mcap
+      A robot's recording, to a log that Foxglove and the Rerun viewer open.
+  ffmpeg -i walk.mp4 -f yuv4mpegpipe -pix_fmt yuv420p - | dorsal live --rig rig.toml
+      Side-by-side frames as they come; a line of JSON a look.
   dorsal calibrate left.png right.png --rig rig.toml --out rig.fixed.toml
       The right eye's pose, corrected from the images themselves.
   dorsal flow frame1.png frame2.png --out out
@@ -101,6 +118,8 @@ impl Command {
         match self {
             Self::Look(look) => Some(("look", look.conflict()?)),
             Self::V1(v1) => Some(("v1", v1.conflict()?)),
+            Self::Bag(bag) => Some(("bag", bag.options.conflict()?)),
+            Self::Live(live) => Some(("live", live.options.conflict()?)),
             Self::Demo(_)
             | Self::Calibrate(_)
             | Self::Rig(_)
@@ -108,7 +127,9 @@ impl Command {
             | Self::Compose(_)
             | Self::Network(_)
             | Self::Flow(_)
-            | Self::Memory(_) => None,
+            | Self::Memory(_)
+            | Self::Completions(_)
+            | Self::Man(_) => None,
         }
     }
 }

@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::look_arguments::{RangeChoice, degrees};
+use crate::look_options::{RangeChoice, degrees};
 use crate::threads::Threads;
 
 /// What `dorsal calibrate` is asked to do.

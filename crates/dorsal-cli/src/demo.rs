@@ -25,6 +25,7 @@ use crate::relation_table::relation_table;
 use crate::report::look_page;
 use crate::room::room;
 use crate::sight::Sight;
+use crate::sight_log::LogFile;
 use crate::times::Times;
 use crate::verdict::Verdict;
 
@@ -44,12 +45,19 @@ pub(crate) fn demo(arguments: &DemoArguments, out: &mut dyn Write) -> anyhow::Re
         ("decoding the real pair", motorcycle),
         ("rendering the room", room),
     ];
+    let log = arguments.mcap.as_deref().map(LogFile::begin).transpose()?;
     let mut verdicts = Vec::new();
-    for (step, scene) in scenes {
+    for (time_s, (step, scene)) in (0..).zip(scenes) {
         console.step(step);
         let scene = scene().with_context(|| format!("{step} failed, which is a fault of ours"))?;
-        verdicts.push(show(&scene, folder, &console, out)?);
+        let (verdict, sight) = show(&scene, folder, &console, out)?;
+        if let Some(log) = &log {
+            // A second apart, so that a viewer shows one after the other.
+            log.look(time_s * 1_000_000_000, &sight, &scene.eyes)?;
+        }
+        verdicts.push(verdict);
     }
+    log.map_or(Ok(()), LogFile::finish)?;
     console.clear();
     for verdict in &verdicts {
         writeln!(out, "{verdict}")?;
@@ -61,13 +69,13 @@ pub(crate) fn demo(arguments: &DemoArguments, out: &mut dyn Write) -> anyhow::Re
     Ok(())
 }
 
-/// Looks at one scene, prints the comparison and writes the files.
+/// Looks at one scene, prints the comparison and writes the files; gives what was seen.
 fn show(
     scene: &DemoScene,
     out_folder: &Path,
     console: &Console,
     out: &mut dyn Write,
-) -> anyhow::Result<Verdict> {
+) -> anyhow::Result<(Verdict, Sight)> {
     let folder = out_folder.join(scene.name);
     let plan = plan(scene)?;
     let mut times = Times::default();
@@ -101,7 +109,7 @@ fn show(
     writeln!(out, "{}", relation_table(&seen.qualitative))?;
     writeln!(out, "To look again: {}\n", command(&folder, &plan))?;
     out.flush()?;
-    Ok(verdict)
+    Ok((verdict, sight))
 }
 
 /// How to look at a scene: with the smallest search that reaches everything in it.

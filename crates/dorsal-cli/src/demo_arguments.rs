@@ -20,6 +20,10 @@ pub(crate) struct DemoArguments {
     #[arg(long, value_name = "DIR", required = true)]
     pub(crate) out: Option<PathBuf>,
 
+    /// Log both looks in MCAP, for Foxglove or the Rerun viewer
+    #[arg(long, value_name = "FILE")]
+    pub(crate) mcap: Option<PathBuf>,
+
     #[command(flatten)]
     pub(crate) threads: Threads,
 
@@ -49,4 +53,5 @@ The command fails with exit code 1 if a depth or a relation is not what it promi
 
 Examples:
   dorsal demo --out out
+  dorsal demo --out out --mcap demo.mcap
   dorsal demo scan --out scan";

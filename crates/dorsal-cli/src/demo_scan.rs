@@ -9,6 +9,7 @@ use dorsal_scan::{
 };
 use stereo_formats::{picture, rig_toml};
 use stereo_scenes::Room;
+use stereo_streams::LoggedLook;
 
 use crate::console::Console;
 use crate::memory_file::MemoryFile;
@@ -17,7 +18,11 @@ use crate::report::{Frame, scan_page};
 use crate::scan_arguments::ScanArguments;
 use crate::scan_record::{LookOfScan, ScanRecord};
 use crate::scan_step::ScanStep;
+use crate::sight_log::LogFile;
 use crate::times::Times;
+
+/// How many looks a question may cost.
+const MOST_LOOKS_ALONG: usize = 3;
 
 /// `dorsal demo scan`: lets a head scan a room, writes what it saw and remembers, and holds the map
 /// against the room.
@@ -29,8 +34,16 @@ pub(crate) fn demo_scan(arguments: &ScanArguments, out: &mut dyn Write) -> anyho
     while let Some(fixation) = scanned.scan.next() {
         scanned.look(&fixation, &console, out)?;
     }
-    // The look of Figure 12 comes on top: at one object, without the other.
+    // The looks of Figure 12 come on top: along the way that is asked for, as long as the map has no answer,
+    // and at one object without the other.
     let pair = figure_12(scanned.scan.memory());
+    for _ in 0..MOST_LOOKS_ALONG {
+        let grasped = pair.as_ref().map(|[grasped, _]| grasped);
+        let Some(fixation) = grasped.and_then(|grasped| scanned.scan.on_the_way(grasped)) else {
+            break;
+        };
+        scanned.look(&fixation, &console, out)?;
+    }
     let hidden = pair.as_ref().and_then(|[a, b]| scanned.scan.without(a, b));
     if let Some(fixation) = &hidden {
         scanned.look(fixation, &console, out)?;
@@ -40,10 +53,14 @@ pub(crate) fn demo_scan(arguments: &ScanArguments, out: &mut dyn Write) -> anyho
     let (score, truth) = (scanned.scan.score()?, scanned.truth);
     let memory = scanned.scan.memory().clone();
     let pair = pair.filter(|_| hidden.is_some());
-    let asked = ask_all(&memory, &truth, pair.as_ref(), scanned.moved.as_deref());
+    let way_is_free = pair
+        .as_ref()
+        .is_some_and(|[grasped, _]| scanned.scan.way_is_free(grasped));
+    let moved = scanned.moved.as_deref();
+    let asked = ask_all(&memory, &truth, pair.as_ref(), way_is_free, moved);
     let knows = pair
         .as_ref()
-        .is_none_or(|pair| knows_figure_12(&memory, &truth, pair));
+        .is_none_or(|pair| knows_figure_12(&memory, &truth, pair, way_is_free));
 
     console.step("writing");
     let record = ScanRecord::new(scanned.looks, &memory, &truth, &score, &asked);
@@ -54,6 +71,7 @@ pub(crate) fn demo_scan(arguments: &ScanArguments, out: &mut dyn Write) -> anyho
         &score,
         &asked,
     )?;
+    scanned.log.map_or(Ok(()), LogFile::finish)?;
     let mut files = scanned.files;
     files.add("index.html", move || anyhow::Ok(page));
     files.add("scan.json", || serde_json::to_vec_pretty(&record));
@@ -107,6 +125,7 @@ struct Scanned {
     moved: Option<String>,
     /// Where everything truly is now.
     truth: TruePlaces,
+    log: Option<LogFile>,
 }
 
 impl Scanned {
@@ -143,6 +162,7 @@ impl Scanned {
         let scan = Scan::resume(room, params, memory)?;
         Ok(Self {
             truth: scan.truth()?,
+            log: arguments.mcap.as_deref().map(LogFile::begin).transpose()?,
             scan,
             names,
             file,
@@ -173,6 +193,20 @@ impl Scanned {
         }
         if look.moved.is_some() {
             self.truth = self.scan.truth()?;
+        }
+        if let Some(log) = &self.log {
+            let scene = &look.percept.qualitative;
+            let relations = scene.relations();
+            let relations = relations.iter().map(|r| r.record(scene.reference()));
+            log.add(&LoggedLook {
+                time_ns: look.memory.time_ms() * 1_000_000,
+                pictures: look.shown.pictures.as_ref().map(|picture| picture.view()),
+                rig: Some(&look.rig),
+                depth: Some(&look.percept.depth),
+                objects: &look.percept.egocentric.objects,
+                names: &self.names,
+                relations: relations.collect(),
+            })?;
         }
         let step = ScanStep { look, times };
         self.frames

@@ -11,6 +11,7 @@ use crate::flow_arguments::FlowArguments;
 use crate::flow_record::FlowRecord;
 use crate::look_files::coloured_png;
 use crate::outputs::{Outputs, ensure_folder};
+use crate::report::flow_page;
 use crate::times::Times;
 
 /// Below this part of valid pixels a flow deserves a word.
@@ -86,9 +87,12 @@ pub(crate) fn flow(arguments: &FlowArguments, out: &mut dyn Write) -> anyhow::Re
     console.step("writing");
     let record = FlowRecord::new(arguments, &gabor, &matching, &field, &times);
     let motion_px = record.motion_px;
-    let files = files(&field, record, arguments.dense);
+    let page = || flow_page([&prev, &next], &field, &times);
+    let files = files(&field, record, arguments.dense, page);
     let names = files.names();
-    times.measure("writing", || files.write(&arguments.out))?;
+    let mut writing = Times::default();
+    writing.measure("writing", || files.write(&arguments.out))?;
+    let times = times.and(writing);
     console.clear();
 
     writeln!(out, "size      {size} pixels")?;
@@ -111,7 +115,12 @@ pub(crate) fn flow(arguments: &FlowArguments, out: &mut dyn Write) -> anyhow::Re
 }
 
 /// The files that a flow leaves.
-fn files(field: &DisparityField, mut record: FlowRecord, dense: bool) -> Outputs<'_> {
+fn files<'a>(
+    field: &'a DisparityField,
+    mut record: FlowRecord,
+    dense: bool,
+    page: impl FnOnce() -> anyhow::Result<Vec<u8>> + Send + 'a,
+) -> Outputs<'a> {
     let mut files = Outputs::default();
     files.add("flow.flo", move || flo::encode_disparity(field, dense));
     files.add("flow.png", move || {
@@ -131,6 +140,7 @@ fn files(field: &DisparityField, mut record: FlowRecord, dense: bool) -> Outputs
         anyhow::Ok(coloured_png(field.confidence(), whole)?)
     });
     files.add("validity.png", || validity_png::encode(field.validity()));
+    files.add("index.html", page);
     record.files = files.names();
     record.files.push("flow.json".into());
     files.add("flow.json", move || serde_json::to_vec_pretty(&record));

@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::look_arguments::{energy, scales};
+use crate::look_options::{energy, scales};
 use crate::threads::Threads;
 
 /// What `dorsal flow` is asked to do.
@@ -54,6 +54,7 @@ Files written:
   validity.png     255 valid, 200 inconsistent, 150 occluded, 100 out of view, 50 incoherent,
                    25 singular, 0 no energy
   flow.json        parameters, densities, speeds, times
+  index.html       all of it to look at: one page, no network
 
 Examples:
   dorsal flow frame1.png frame2.png --out out

@@ -1,26 +1,22 @@
 use std::io::Write;
 use std::path::Path;
 
-use dorsal::allocentric_qsr::QualifyParams;
-use dorsal::disparity_pyramid::{DenseParams, MatchParams, SearchRange};
-use dorsal::egocentric_depth::{LocateParams, SegmentParams, StereoRig};
-use dorsal::v1_gabor::{Binocular, GaborParams, Size};
-use dorsal::{DenseLook, Range, Rows, Search};
+use dorsal::v1_gabor::Binocular;
 use stereo_formats::picture;
 
+use crate::batch::batch;
 use crate::console::Console;
 use crate::drift_record::DriftRecord;
-use crate::look_arguments::{Estimator, LookArguments, MostDisparity, Preset, Rectify};
+use crate::look_arguments::LookArguments;
 use crate::look_files::look_files;
+use crate::look_options::Estimator;
 use crate::look_record::{Inputs, LookRecord};
 use crate::object_table::object_table;
 use crate::objects::Objects;
 use crate::outputs::ensure_folder;
-use crate::plan::Plan;
-use crate::reference_system::reference_system;
 use crate::relation_table::relation_table;
 use crate::report::look_page;
-use crate::rig_file::read_rig;
+use crate::sight_log::log_of_one;
 use crate::times::Times;
 
 /// Below this part of valid pixels a disparity field deserves a word.
@@ -29,10 +25,18 @@ const SPARSE: f64 = 0.2;
 /// Vertical disparity that a rig may leave before it should be corrected, in pixels.
 const MOST_VERTICAL_PX: f64 = 0.2;
 
-/// `dorsal look`: looks at a pair of files and writes what is seen.
+/// `dorsal look`: looks at a pair of files, or at all pairs of a folder or a list, and writes what is seen.
 pub(crate) fn look(arguments: &LookArguments, out: &mut dyn Write) -> anyhow::Result<()> {
     arguments.threads.install()?;
     ensure_folder(&arguments.out)?;
+    match &arguments.right {
+        Some(right) => look_once(arguments, right, out),
+        None => batch(arguments, out),
+    }
+}
+
+fn look_once(arguments: &LookArguments, right: &Path, out: &mut dyn Write) -> anyhow::Result<()> {
+    let options = &arguments.options;
     let console = Console::new(arguments.quiet);
     let mut times = Times::default();
 
@@ -40,11 +44,16 @@ pub(crate) fn look(arguments: &LookArguments, out: &mut dyn Write) -> anyhow::Re
     let eyes = times.measure("reading", || {
         picture::read_pair(Binocular {
             left: &arguments.left,
-            right: &arguments.right,
+            right,
         })
     })?;
-    let plan = plan(arguments, eyes.left.size())?;
-    if let Some(scales) = arguments.scales
+    let objects = arguments
+        .labels
+        .as_deref()
+        .map(|labels| Objects::read(labels, arguments.names.as_deref(), eyes.left.size()))
+        .transpose()?;
+    let plan = options.plan(eyes.left.size(), options.rig()?, objects)?;
+    if let Some(scales) = options.scales
         && plan.gabor.scales < scales
     {
         console.note(&format!(
@@ -67,7 +76,7 @@ pub(crate) fn look(arguments: &LookArguments, out: &mut dyn Write) -> anyhow::Re
         ));
     }
 
-    if arguments.recalibrate && sight.drift.as_ref().is_none_or(Result::is_err) {
+    if options.recalibrate && sight.drift.as_ref().is_none_or(Result::is_err) {
         console.note("the rig is not recalibrated: the look does not tell where the right eye is");
     }
 
@@ -76,7 +85,13 @@ pub(crate) fn look(arguments: &LookArguments, out: &mut dyn Write) -> anyhow::Re
     }
 
     console.step("writing");
-    let record = LookRecord::new(&plan, &sight, &times, inputs(arguments), arguments.dense);
+    let record = LookRecord::new(
+        &plan,
+        &sight,
+        &times,
+        inputs(arguments, right),
+        options.dense,
+    );
     let median_px = record.median_disparity_px();
     let mut files = look_files(&plan, &sight, &eyes, record);
     files.add("index.html", || {
@@ -86,6 +101,9 @@ pub(crate) fn look(arguments: &LookArguments, out: &mut dyn Write) -> anyhow::Re
     let mut writing = Times::default();
     writing.measure("writing", || files.write(&arguments.out))?;
     let times = times.and(writing);
+    if let Some(path) = &arguments.mcap {
+        log_of_one(path, &sight, &eyes)?;
+    }
     console.clear();
 
     if let (Some(scene), Some(rig), Some(objects)) = (&sight.scene, &sight.rig, &sight.objects) {
@@ -94,7 +112,7 @@ pub(crate) fn look(arguments: &LookArguments, out: &mut dyn Write) -> anyhow::Re
     }
     writeln!(out, "size      {} pixels", eyes.left.size())?;
     writeln!(out, "valid     {:.1} %", 100.0 * density)?;
-    if arguments.estimator == Estimator::Vector {
+    if options.estimator == Estimator::Vector {
         writeln!(out, "search    {}", sight.searched.sentence())?;
     }
     if let Some(median_px) = median_px {
@@ -102,7 +120,7 @@ pub(crate) fn look(arguments: &LookArguments, out: &mut dyn Write) -> anyhow::Re
     }
     if let Some(drift) = &sight.drift {
         let applied = match drift {
-            Ok(_) if arguments.recalibrate => " (corrected)",
+            Ok(_) if options.recalibrate => " (corrected)",
             // Beyond it depth is taken from other pixels than those that belong together.
             Ok(found) if found.vertical_rms_before_px > MOST_VERTICAL_PX => {
                 " (--recalibrate takes depth without it)"
@@ -125,93 +143,12 @@ pub(crate) fn look(arguments: &LookArguments, out: &mut dyn Write) -> anyhow::Re
     Ok(())
 }
 
-fn plan(arguments: &LookArguments, size: Size) -> anyhow::Result<Plan> {
-    let rig = arguments.rig.as_deref().map(read_rig).transpose()?;
-    let objects = arguments
-        .labels
-        .as_deref()
-        .map(|labels| Objects::read(labels, arguments.names.as_deref(), size))
-        .transpose()?;
-    let gabor = GaborParams::default();
-    let scales = match arguments.range() {
-        Range::Given => arguments.scales.unwrap_or(gabor.scales),
-        // A coarse look reads the coarsest; the search takes no more than it needs.
-        Range::Auto | Range::Wide => gabor.most_scales(size),
-    };
-    let gabor = GaborParams { scales, ..gabor };
-    let steps = if arguments.published {
-        MatchParams::as_published()
-    } else if arguments.labels.is_some() || arguments.segment {
-        MatchParams::for_objects()
-    } else {
-        MatchParams::default()
-    };
-    Ok(Plan {
-        estimator: estimator(arguments, rig.as_ref())?,
-        gabor: gabor.fitted_to(size),
-        matching: MatchParams {
-            energy_threshold: arguments.energy_threshold.unwrap_or(steps.energy_threshold),
-            // The command line speaks the sign of files.
-            zero_disparity_px: (0.0 - arguments.zero_disparity.unwrap_or(0.0), 0.0),
-            rows_only: arguments.rows_only,
-            slanted_scales: if arguments.slants {
-                scales
-            } else {
-                steps.slanted_scales
-            },
-            singularity_tau: arguments.singularity_tau,
-            // The look writes it.
-            covariance: true,
-            ..steps
-        },
-        rig,
-        recalibrate: arguments.recalibrate,
-        objects,
-        segmenting: arguments.segment.then(SegmentParams::default),
-        locating: LocateParams::default(),
-        reference: reference_system(&arguments.system)?,
-        qualifying: QualifyParams::default(),
-    })
-}
-
-/// The estimator that is asked for; the command line speaks the sign of files.
-fn estimator(
-    arguments: &LookArguments,
-    rig: Option<&StereoRig>,
-) -> anyhow::Result<dorsal::Estimator> {
-    if arguments.estimator == Estimator::Vector {
-        return Ok(dorsal::Estimator::Vector(arguments.range()));
-    }
-    let search = match (arguments.max_disparity, arguments.min_disparity) {
-        (MostDisparity::Auto, least) => Search::Found {
-            most_dx: least.map(|least| -least),
-        },
-        (MostDisparity::Px(most), least) => {
-            Search::Given(SearchRange::new(-most, -least.unwrap_or(most.min(0)))?)
-        }
-    };
-    Ok(dorsal::Estimator::Dense(DenseLook {
-        params: match arguments.preset {
-            Preset::Fast => DenseParams::fast(),
-            Preset::Best => DenseParams::best(),
-        },
-        search,
-        rows: match arguments.rectify {
-            Some(Rectify::None) => Rows::AsTaken,
-            Some(Rectify::Auto) => Rows::Aligned,
-            Some(Rectify::Rig) => Rows::Rectified,
-            None if rig.is_some_and(|rig| !rig.is_rectified()) => Rows::Rectified,
-            None => Rows::AsTaken,
-        },
-    }))
-}
-
-fn inputs(arguments: &LookArguments) -> Inputs {
+fn inputs(arguments: &LookArguments, right: &Path) -> Inputs {
     let text = |path: &Path| path.display().to_string();
     Inputs {
         left: text(&arguments.left),
-        right: text(&arguments.right),
-        rig: arguments.rig.as_deref().map(text),
+        right: text(right),
+        rig: arguments.options.rig.as_deref().map(text),
         labels: arguments.labels.as_deref().map(text),
         names: arguments.names.as_deref().map(text),
     }

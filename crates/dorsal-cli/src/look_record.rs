@@ -54,7 +54,7 @@ pub(crate) struct LookRecord {
 }
 
 /// The files that were looked at.
-#[derive(Debug, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub(crate) struct Inputs {
     pub(crate) left: String,
     pub(crate) right: String,

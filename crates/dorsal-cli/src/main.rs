@@ -2,9 +2,14 @@
 //!
 //! The levels do the work; here are the people's side of it: arguments, files, pictures, clocks.
 mod arguments;
+mod bag;
+mod bag_arguments;
 mod base64;
+mod batch;
+mod batch_page;
 mod calibrate;
 mod calibrate_arguments;
+mod completions;
 mod compose;
 mod compose_arguments;
 mod console;
@@ -17,11 +22,16 @@ mod facts;
 mod flow;
 mod flow_arguments;
 mod flow_record;
+mod interruption;
 mod label_picture;
+mod live;
+mod live_arguments;
 mod look;
 mod look_arguments;
 mod look_files;
+mod look_options;
 mod look_record;
+mod look_stream;
 mod memory;
 mod memory_add;
 mod memory_arguments;
@@ -35,6 +45,7 @@ mod network_arguments;
 mod object_table;
 mod objects;
 mod outputs;
+mod pair_list;
 mod plan;
 mod pose_argument;
 mod reference_system;
@@ -52,6 +63,8 @@ mod scene_record;
 mod searched;
 mod segment_record;
 mod sight;
+mod sight_log;
+mod stream_arguments;
 mod tables;
 mod tables_arguments;
 mod text_table;
@@ -76,6 +89,8 @@ fn main() -> ExitCode {
     let mut out = io::stdout().lock();
     let done = match &arguments.command {
         Command::Look(look) => look::look(look, &mut out),
+        Command::Bag(arguments) => bag::bag(arguments, &mut out),
+        Command::Live(arguments) => live::live(arguments, &mut out),
         Command::Calibrate(arguments) => calibrate::calibrate(arguments, &mut out),
         Command::Demo(demo) => demo::demo(demo, &mut out),
         Command::Flow(arguments) => flow::flow(arguments, &mut out),
@@ -85,6 +100,8 @@ fn main() -> ExitCode {
         Command::Compose(compose) => compose::compose(compose, &mut out),
         Command::Network(network) => network::network(network, &mut out),
         Command::Memory(memory) => memory::memory(memory, &mut out),
+        Command::Completions(arguments) => completions::completions(arguments, &mut out),
+        Command::Man(arguments) => completions::man(arguments, &mut out),
     }
     .and_then(|()| Ok(out.flush()?));
     match done {

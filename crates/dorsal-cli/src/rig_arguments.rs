@@ -3,11 +3,19 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand, ValueEnum};
 use dorsal::v1_gabor::Size;
 
-use crate::look_arguments::scales;
+use crate::look_options::scales;
 
 /// What `dorsal rig` is asked to do.
 #[derive(Debug, Args)]
-#[command(subcommand_required = true, arg_required_else_help = true)]
+#[command(
+    after_help = "\
+Examples:
+  dorsal rig check rig.toml
+  dorsal rig convert left.yaml right.yaml --out rig.toml
+  dorsal rig rectify left.png right.png --rig rig.toml --out rectified",
+    subcommand_required = true,
+    arg_required_else_help = true
+)]
 pub(crate) struct RigArguments {
     #[command(subcommand)]
     pub(crate) task: RigTask,

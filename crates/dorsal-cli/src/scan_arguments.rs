@@ -37,6 +37,10 @@ pub(crate) struct ScanArguments {
     #[arg(long, value_name = "FILE")]
     pub(crate) memory: Option<PathBuf>,
 
+    /// Log every look in MCAP, for Foxglove or the Rerun viewer
+    #[arg(long, value_name = "FILE")]
+    pub(crate) mcap: Option<PathBuf>,
+
     #[command(flatten)]
     pub(crate) threads: Threads,
 
@@ -67,5 +71,6 @@ truth than three standard errors allow, or if Figure 12's question is answered w
 
 Examples:
   dorsal demo scan --out scan
+  dorsal demo scan --out scan --mcap scan.mcap
   dorsal demo scan --out scan --room room.toml --fixations 6
   dorsal demo scan --out scan --memory memory.json && dorsal memory ask --memory memory.json \"within c of robot\"";

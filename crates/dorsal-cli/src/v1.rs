@@ -5,6 +5,7 @@ use stereo_formats::picture;
 
 use crate::console::Console;
 use crate::outputs::{Outputs, ensure_folder};
+use crate::report::{monogenic_page, responses_page};
 use crate::times::Times;
 use crate::v1_arguments::{Bank, V1Arguments};
 use crate::v1_files::{congruency_files, monogenic_files, response_files};
@@ -44,6 +45,11 @@ pub(crate) fn v1(arguments: &V1Arguments, out: &mut dyn Write) -> anyhow::Result
             if let Some(congruency) = &congruency {
                 congruency_files(&mut files, congruency);
             }
+            let (scales, so_far) = (responses.scales(), times.clone());
+            let (picture, congruency) = (&picture, congruency.as_ref());
+            files.add("index.html", move || {
+                responses_page(picture, scales, congruency, &so_far)
+            });
             record.write(files, times, arguments, &console, out)
         }
         Bank::Spherical(bank) => {
@@ -53,6 +59,10 @@ pub(crate) fn v1(arguments: &V1Arguments, out: &mut dyn Write) -> anyhow::Result
             for (scale, planes) in responses.scales().iter().enumerate() {
                 monogenic_files(&mut files, scale, planes);
             }
+            let (scales, so_far, picture) = (responses.scales(), times.clone(), &picture);
+            files.add("index.html", move || {
+                monogenic_page(picture, scales, &so_far)
+            });
             record.write(files, times, arguments, &console, out)
         }
     }

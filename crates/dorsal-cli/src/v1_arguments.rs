@@ -80,6 +80,7 @@ pub(crate) enum Bank {
 const EXAMPLES: &str = "\
 Files written (S: the scale, 0 the finest; Q: the orientation, whose wave vector points along
 Q * 180 / N degrees, 0 along x and 90 down):
+  index.html                 all of it to look at: one page, no network
   v1.json                    family, parameters, sizes, files, times
   scaleS_responses.npy       complex64 (orientation, y, x); phase grows along the wave vector
   scaleS_orientationQ.png    phase as hue (0, a bright line, red), amplitude as brightness

@@ -39,8 +39,8 @@ const ACT: &str = r##"<script>addEventListener("load", () => {
 fn a_person_can_use_it() {
     let room = SmallRoom::new();
     // So small pictures promise nothing; the page is written all the same.
-    let said = command::dorsal(room.scan(&["--fixations", "2"]));
-    let page = fs::read_to_string(room.path("out/index.html")).expect(&said.err);
+    let done = command::dorsal(room.scan(&["--fixations", "2"]));
+    let page = fs::read_to_string(room.path("out/index.html")).expect(&done.err);
     for outside in ["http://", "https://", "src=\"//"] {
         let own = page.replace("http://www.w3.org/2000/svg", "");
         assert!(!own.contains(outside), "the page needs no network");
@@ -58,17 +58,7 @@ fn a_person_can_use_it() {
         .replacen("</body>", &format!("{ACT}</body>"), 1);
     fs::write(&acted, page).expect("a file");
     for window in ["1200,900", "390,844"] {
-        let dom = open(browser, &acted, window);
-        let start = dom
-            .find("<pre id=\"said\">")
-            .expect("the page's script has run");
-        let text = &dom[start + "<pre id=\"said\">".len()..];
-        let text = &text[..text.find("</pre>").expect("it ends")];
-        let text = text
-            .replace("&lt;", "<")
-            .replace("&gt;", ">")
-            .replace("&amp;", "&");
-        let say: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        let say = said(browser, &acted, window);
         assert_eq!(say["wrong"], serde_json::json!([]), "{say}");
         assert_eq!(say["first"], "look 1");
         assert_eq!(say["second"], "look 2");
@@ -87,6 +77,92 @@ fn a_person_can_use_it() {
     }
 }
 
+/// After the script of a page of one picture: every picture and plane is chosen, and one is read.
+const CHOOSE: &str = r##"<script>addEventListener("load", () => {
+  const say = {}, get = id => document.getElementById(id);
+  say.bases = [...get("bases").children].map(b => b.textContent);
+  say.painted = say.bases.map(name => { [...get("bases").children].find(b => b.textContent === name).click(); return get("picture").hidden !== get("paint").hidden; });
+  const stage = get("stage").getBoundingClientRect(); get("stage").dispatchEvent(new PointerEvent("pointermove", { clientX: stage.left + stage.width / 2, clientY: stage.top + stage.height / 2, bubbles: true }));
+  say.read = get("readout").textContent; say.steps = Number(get("time").max) + 1;
+  say.unnamed = [...document.querySelectorAll("img,canvas")].filter(e => !e.hidden && !(e.alt || e.getAttribute("aria-label"))).length;
+  say.wrong = wrong; const out = document.createElement("pre"); out.id = "said"; out.textContent = JSON.stringify(say); document.body.append(out);
+});</script>"##;
+
+#[test]
+fn the_pages_of_flow_and_of_one_picture_work() {
+    let pair = command::Pair::new();
+    let path = |name: &str| pair.path(name).to_str().expect("a name").to_owned();
+    let (left, right) = (path("left.png"), path("right.png"));
+    let calls: [(&str, &[&str], &[&str], u64); 3] = [
+        (
+            "flow",
+            &[&left, &right],
+            &["speed", "u", "confidence", "earlier"],
+            1,
+        ),
+        ("v1", &[&left], &["energy", "dominant", "angle", "edges"], 2),
+        (
+            "v1",
+            &[&left, "--family", "sqf"],
+            &["amplitude", "phase"],
+            2,
+        ),
+    ];
+    for (number, (name, words, wanted, steps)) in calls.into_iter().enumerate() {
+        let out = path(&format!("out{number}"));
+        let call = [&[name], words, &["--out", &out]].concat();
+        let done = command::dorsal(call);
+        assert_eq!(done.code, Some(0), "{}", done.err);
+        let page = fs::read_to_string(format!("{out}/index.html")).expect("a page");
+        let Some(browser) = browser() else {
+            eprintln!("NOT TESTED: no chromium on this machine; the page of {name} was not opened");
+            continue;
+        };
+        let acted = pair.path("acted.html");
+        let page = page
+            .replacen("<head>", &format!("<head>{LISTEN}"), 1)
+            .replacen("</body>", &format!("{CHOOSE}</body>"), 1);
+        fs::write(&acted, page).expect("a file");
+        let say = said(browser, &acted, "1200,900");
+        assert_eq!(say["wrong"], serde_json::json!([]), "{name}: {say}");
+        let bases = say["bases"].as_array().expect("pictures");
+        for base in wanted {
+            // The slider stands at the last step; edges belong to the finest scale alone.
+            let first_only = *base == "edges";
+            assert!(
+                first_only || bases.contains(&serde_json::json!(base)),
+                "{name}: {base} in {say}"
+            );
+        }
+        assert!(
+            say["painted"]
+                .as_array()
+                .expect("flags")
+                .iter()
+                .all(|shown| *shown == true),
+            "{say}"
+        );
+        assert!(say["read"].as_str().expect("words").contains("x "), "{say}");
+        assert!(say["steps"].as_u64() >= Some(steps), "{say}");
+        assert_eq!(say["unnamed"], 0, "{say}");
+    }
+}
+
+/// What the script of a page has said at its end.
+fn said(browser: &str, page: &Path, window: &str) -> serde_json::Value {
+    let dom = open(browser, page, window);
+    let start = dom
+        .find("<pre id=\"said\">")
+        .expect("the page's script has run");
+    let text = &dom[start + "<pre id=\"said\">".len()..];
+    let text = &text[..text.find("</pre>").expect("it ends")];
+    let text = text
+        .replace("&lt;", "<")
+        .replace("&gt;", ">")
+        .replace("&amp;", "&");
+    serde_json::from_str(&text).expect("JSON")
+}
+
 /// The name of a Chromium that runs here.
 fn browser() -> Option<&'static str> {
     ["chromium", "chromium-browser", "google-chrome"]
@@ -100,12 +176,12 @@ fn browser() -> Option<&'static str> {
 /// What a page has become after its scripts have run.
 fn open(browser: &str, page: &Path, window: &str) -> String {
     let profile = tempfile::tempdir().expect("a folder");
-    let said = Command::new(browser)
+    let run = Command::new(browser)
         .args(["--headless", "--no-sandbox", "--disable-gpu", "--dump-dom"])
         .arg(format!("--user-data-dir={}", profile.path().display()))
         .arg(format!("--window-size={window}"))
         .arg(format!("file://{}", page.display()))
         .output()
         .expect("the browser runs");
-    String::from_utf8(said.stdout).expect("it speaks UTF-8")
+    String::from_utf8(run.stdout).expect("it speaks UTF-8")
 }

@@ -15,7 +15,18 @@ fn refused(line: &str, helpful: &str) {
 #[test]
 fn what_is_missing_or_unknown_is_named() {
     refused("", "Examples:");
-    refused("look left.png", "<RIGHT>");
+    refused("look", "<LEFT|FOLDER|LIST>");
+    refused("look left.png", "--out <DIR>");
+    refused(
+        "look l.png r.png --out o --again",
+        "--again is for a folder",
+    );
+    refused(
+        "look folder --out o --mcap log.mcap",
+        "--mcap logs one look",
+    );
+    refused("bag walk.mcap --left /l", "--right <TOPIC>");
+    refused("live --format gray", "--size <WxH>");
     refused("look left.png right.png", "--out <DIR>");
     refused("look l.png r.png --out o --colour", "--colour");
     refused("demo", "--out <DIR>");

@@ -51,12 +51,14 @@ pub fn figure_12(memory: &SceneMemory) -> Option<[ObjectId; 2]> {
     Some(pair.map(Clone::clone))
 }
 
-/// Asks the map what a robot that is about to act would ask: Figure 12's questions first.
+/// Asks the map what a robot that is about to act would ask: Figure 12's questions first. Whether the
+/// hand's way to the first of the pair is truly free is told, for the answer to be held against it.
 #[must_use]
 pub fn ask_all(
     memory: &SceneMemory,
     truth: &TruePlaces,
     pair: Option<&[ObjectId; 2]>,
+    way_is_free: bool,
     moved: Option<&str>,
 ) -> Vec<Asked> {
     let mut asked = Vec::new();
@@ -116,7 +118,7 @@ pub fn ask_all(
     }
     if let Some([grasped, unseen]) = pair {
         ask(format!("explain {unseen} from {grasped}"), None, None);
-        asked.extend(way(memory, grasped));
+        asked.extend(way(memory, grasped, way_is_free));
     }
     asked
 }
@@ -130,26 +132,44 @@ fn place(truth: &TruePlaces, object: &str) -> Option<String> {
     ))
 }
 
-/// The way of a hand from the edge of the table to an object: the path of Figure 12.
-fn way(memory: &SceneMemory, to: &ObjectId) -> Option<Asked> {
+/// What the map knows of the straight way of a hand from [`HAND_AT_M`] to an object: the path of
+/// Figure 12. Nothing if the map does not know where the object is.
+#[must_use]
+pub fn hand_way(memory: &SceneMemory, to: &ObjectId) -> Option<FreePath> {
+    memory.free_path(&hand()?, &Observer::Object(to.clone()), HAND_M)
+}
+
+/// Where the hand waits, as an end of a way.
+pub(crate) fn hand() -> Option<Observer> {
     let [right, forward] = HAND_AT_M;
-    let hand = Observer::At(GroundPose::new(right, forward, 0.0).ok()?);
-    let way = memory.free_path(&hand, &Observer::Object(to.clone()), HAND_M)?;
+    Some(Observer::At(GroundPose::new(right, forward, 0.0).ok()?))
+}
+
+fn way(memory: &SceneMemory, to: &ObjectId, is_free: bool) -> Option<Asked> {
+    let [right, forward] = HAND_AT_M;
+    let way = hand_way(memory, to)?;
+    let truth = if is_free { "clear" } else { "not clear" };
     Some(Asked {
         question: format!(
             "the way of a hand from {right:.2} m to the right and {forward:.2} m ahead to {to}, radius \
              {HAND_M}"
         ),
+        right: Some((way == FreePath::Clear) == is_free),
         answer: way.to_string(),
-        truth: None,
-        right: None,
+        truth: Some(truth.to_owned()),
     })
 }
 
-/// Whether the map knows the two things that Figure 12 shows: how near the unseen object is, to the
-/// class, and that it is to the right.
+/// Whether the map knows the three things that Figure 12 shows: how near the unseen object is, to the
+/// class, that it is to the right, and whether the hand's way to the other is clear, which it truly is
+/// or is not.
 #[must_use]
-pub fn knows_figure_12(memory: &SceneMemory, truth: &TruePlaces, pair: &[ObjectId; 2]) -> bool {
+pub fn knows_figure_12(
+    memory: &SceneMemory,
+    truth: &TruePlaces,
+    pair: &[ObjectId; 2],
+    way_is_free: bool,
+) -> bool {
     let [grasped, unseen] = pair;
     let exact = truth.scene(memory.reference(), memory.params().qualify);
     let so = exact.ok().and_then(|exact| exact.relation(grasped, unseen));
@@ -162,19 +182,12 @@ pub fn knows_figure_12(memory: &SceneMemory, truth: &TruePlaces, pair: &[ObjectI
         Orientation::Right,
         Orientation::BackRight,
     ];
-    let hand = GroundPose::new(HAND_AT_M[0], HAND_AT_M[1], 0.0).ok();
-    let way = hand.and_then(|hand| {
-        memory.free_path(
-            &Observer::At(hand),
-            &Observer::Object(grasped.clone()),
-            HAND_M,
-        )
-    });
+    let way = hand_way(memory, grasped);
     answer.places.depth == so.places.depth
         && answer
             .places
             .orientation
             .iter()
             .all(|label| rightward.contains(&label))
-        && way.is_some_and(|way| !matches!(way, FreePath::Blocked { by } if by.contains(unseen)))
+        && way.is_some_and(|way| (way == FreePath::Clear) == way_is_free)
 }

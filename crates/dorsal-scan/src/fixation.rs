@@ -26,6 +26,11 @@ pub enum Why {
         /// One standard error of its place, in metres.
         sigma_m: f64,
     },
+    /// Somebody asks for the hand's way to an object, and this piece of it was never seen free.
+    OnTheWay {
+        /// The object.
+        to: ObjectId,
+    },
     /// It shows one object and not the other: the paper's Figure 12.
     Without {
         /// In view.
@@ -48,6 +53,7 @@ impl fmt::Display for Why {
             Self::LeastSure { object, sigma_m } => {
                 write!(f, "least sure: {object}, within {:.1} cm", 100.0 * sigma_m)
             }
+            Self::OnTheWay { to } => write!(f, "asked for: the hand's way to {to}"),
             Self::Without { shown, hidden } => write!(f, "at {shown}, with {hidden} out of view"),
         }
     }

@@ -38,7 +38,7 @@ mod scan_look;
 mod score;
 mod true_places;
 
-pub use asked::{Asked, HAND_AT_M, ask_all, figure_12, knows_figure_12};
+pub use asked::{Asked, HAND_AT_M, ask_all, figure_12, hand_way, knows_figure_12};
 pub use field::Field;
 pub use fixation::{Fixation, Why};
 pub use head_errors::HeadErrors;

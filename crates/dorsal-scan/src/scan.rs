@@ -1,19 +1,23 @@
 use dorsal::allocentric_qsr::{
-    AskedPlace, BadMemoryParams, BadSighting, DepthReference, Evidence, GroundPose, Look,
-    LookEvidence as _, MemoryParams, NotAPose, NotAnError, ObjectId, Observation, Policy,
+    AskedPlace, BadMemoryParams, BadSighting, DepthReference, Evidence, FreePath, GroundPose, Look,
+    LookEvidence as _, MemoryParams, NotAPose, NotAnError, ObjectId, Observation, Observer, Policy,
     PoseKnowledge, QualifyParams, QualitativeScene, RobotPose, SceneMemory,
 };
-use dorsal::disparity_pyramid::MatchParams;
+use dorsal::disparity_pyramid::{DenseParams, EyeView, MatchParams};
 use dorsal::egocentric_depth::{
-    BadRig, DriftBelief, Label, LabelImage, Lens, LocateParams, LocatedObject, NoSigma,
+    BadRig, DepthMap, DriftBelief, Label, LabelImage, Lens, LocateParams, LocatedObject, NoSigma,
     NotLocatable, OrientationParams, Position, StereoRig, locate, relative_orientation,
     triangulate,
 };
 use dorsal::v1_gabor::{BadParams, Binocular, FilterBank, GaborParams, LumaImage, NotAnImage};
-use dorsal::{DepthEvidence, Error, Percept, Range, object_id, observations, sightings};
+use dorsal::{
+    DenseLook, DepthEvidence, Error, Percept, Range, Rows, Search, object_id, observations,
+    sightings,
+};
 use ndarray::{Array2, Array3, Axis};
 use stereo_scenes::{Exposure, Gaze, Head, NoGaze, NoView, Room, View, render};
 
+use crate::asked::{hand, hand_way};
 use crate::attention::{Attention, shows};
 use crate::chance::Chance;
 use crate::field::Field;
@@ -21,7 +25,7 @@ use crate::fixation::{Fixation, Why};
 use crate::head_errors::HeadErrors;
 use crate::relocation::Relocation;
 use crate::scan_look::{ScanLook, Shown};
-use crate::score::Score;
+use crate::score::{Score, is_free};
 use crate::true_places::{TruePlaces, names};
 
 /// How to scan a room.
@@ -270,6 +274,29 @@ impl Scan {
         })
     }
 
+    /// A fixation on the first piece of the hand's way to an object that was never seen free, which is
+    /// where a question that the map cannot answer sends the eyes. Vergence brings the search to the
+    /// ground there: from a fixation farther away the near edge of a table is out of its reach. Nothing if
+    /// the map has an answer.
+    #[must_use]
+    pub fn on_the_way(&self, to: &ObjectId) -> Option<Fixation> {
+        // The robot stands in the origin of the map.
+        let FreePath::Unknown { at_m } = hand_way(&self.memory, to)? else {
+            return None;
+        };
+        Some(Fixation {
+            point_m: [at_m[0], self.eyes_above_ground_m(), at_m[1]],
+            why: Why::OnTheWay { to: to.clone() },
+        })
+    }
+
+    /// Whether the hand's straight way to where an object is believed is free in the room as it is.
+    #[must_use]
+    pub fn way_is_free(&self, to: &ObjectId) -> bool {
+        let to = Observer::Object(to.clone());
+        hand().is_some_and(|hand| is_free(&self.memory, &self.room, &self.head, &hand, &to))
+    }
+
     /// The believed eyes that fixate a place on the ground.
     fn aim(&self, [right, forward]: [f64; 2]) -> Option<StereoRig> {
         let point = self.in_room([right, self.eyes_above_ground_m(), forward]);
@@ -389,7 +416,13 @@ impl Scan {
                 .map(|(seen, object)| widened(seen, object, errors.encoder_sigma_rad))
                 .collect(),
         };
-        let evidence = DepthEvidence::new(&depth, &rig, down_m, locating.disparity_sigma_px);
+        let close = if matches!(shown.fixation.why, Why::OnTheWay { .. }) && told {
+            self.densely(&eyes, &shown.pictures, &rig)?
+        } else {
+            None
+        };
+        let ground = close.as_ref().unwrap_or(&depth);
+        let evidence = DepthEvidence::new(ground, &rig, down_m, locating.disparity_sigma_px);
         let (changes, refused) = if told {
             match self.memory.observe(&look, &evidence) {
                 Ok(changes) => (changes, None),
@@ -425,6 +458,38 @@ impl Scan {
             memory: self.memory.clone(),
             moved,
         })
+    }
+
+    /// The depth of a look by the dense estimator, along the rows of a pair rectified by what the look itself
+    /// has found out of the right eye. It knows a table that lies close before the eyes, which slants too
+    /// much for the vector pyramid; nothing if there is too little to see. Whether ground is free rests on
+    /// it where that was asked; no object's place does, for it has no calibrated error.
+    fn densely(
+        &self,
+        eyes: &Binocular<LumaImage>,
+        pictures: &Binocular<Array2<[u8; 3]>>,
+        rig: &StereoRig,
+    ) -> Result<Option<DepthMap>, NoScan> {
+        let look = DenseLook {
+            params: DenseParams::fast(),
+            search: Search::default(),
+            rows: Rows::Rectified,
+        };
+        let views = Binocular {
+            left: EyeView {
+                luma: &eyes.left,
+                rgb: Some(pictures.left.view()),
+            },
+            right: EyeView {
+                luma: &eyes.right,
+                rgb: Some(pictures.right.view()),
+            },
+        };
+        match look.disparity(&views, rig, &self.bank, MatchParams::default()) {
+            Ok(field) => Ok(Some(triangulate(&field, rig))),
+            Err(Error::NoSearch) => Ok(None),
+            Err(refused) => Err(refused.into()),
+        }
     }
 
     /// The map as it is beside the room as it is.

@@ -293,7 +293,13 @@ pub(crate) fn sighting(memory: &SceneMemory, object: &ObjectId) -> Option<Sighti
 }
 
 /// Whether the straight way is free in the room, but for the objects at its ends.
-fn is_free(memory: &SceneMemory, room: &Room, head: &Head, from: &Observer, to: &Observer) -> bool {
+pub(crate) fn is_free(
+    memory: &SceneMemory,
+    room: &Room,
+    head: &Head,
+    from: &Observer,
+    to: &Observer,
+) -> bool {
     let end = |at: &Observer| match at {
         Observer::Object(name) => {
             let place = memory.from_robot(name)?;

@@ -72,7 +72,7 @@ impl OrientationParams {
             vertical_prior: 0.0,
             sparse_scales: 0,
             finest_warps: 2,
-            slants: true,
+            slanted_scales: usize::MAX,
             ..MatchParams::default()
         }
     }

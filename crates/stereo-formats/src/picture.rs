@@ -4,10 +4,12 @@ use std::path::{Path, PathBuf};
 
 use image::codecs::png::CompressionType;
 use ndarray::{Array2, ArrayView2, Zip};
-use v1_gabor::{Binocular, LumaImage, Size};
+use v1_gabor::{Binocular, LumaImage, NotAnImage, Size};
 
 use crate::file::{self, Unreadable, Unwritable};
-use crate::raster::{self, NotAPicture, NotAPng, Samples};
+use crate::raster::{self, NotAPicture, NotAPng};
+
+pub use crate::raster::Samples;
 
 /// A picture: its luma for the responses, its colours for guides and clouds.
 #[derive(Clone, Debug)]
@@ -17,6 +19,30 @@ pub struct Picture {
 }
 
 impl Picture {
+    /// A picture of the samples that a camera delivers, grey or colour.
+    ///
+    /// # Errors
+    /// [`NotAnImage`] if there is no pixel.
+    pub fn of_samples(samples: Samples) -> Result<Self, NotAnImage> {
+        let (luma, rgb) = match samples {
+            Samples::Grey8(grey) => (
+                grey.mapv(|grey| f32::from(grey) / 255.0),
+                grey.mapv(|grey| [grey; 3]),
+            ),
+            Samples::Grey16(grey) => (
+                grey.mapv(|grey| f32::from(grey) / 65535.0),
+                grey.mapv(|grey| [eight_bits(grey); 3]),
+            ),
+            Samples::Rgb8(rgb) => (rgb.mapv(|rgb| rec_601(rgb, 255.0)), rgb),
+            Samples::Rgb16(rgb) => (
+                rgb.mapv(|rgb| rec_601(rgb, 65535.0)),
+                rgb.mapv(|rgb| rgb.map(eight_bits)),
+            ),
+        };
+        let luma = LumaImage::new(luma)?;
+        Ok(Self { luma, rgb })
+    }
+
     /// Width and height in pixels.
     #[must_use]
     pub fn size(&self) -> Size {
@@ -69,23 +95,8 @@ pub enum NotAPair {
 /// [`NotAPicture`] says what is wrong; no header is believed with memory that the length of the
 /// file does not bear out.
 pub fn decode(bytes: &[u8]) -> Result<Picture, NotAPicture> {
-    let (luma, rgb) = match raster::decode(bytes)? {
-        Samples::Grey8(grey) => (
-            grey.mapv(|grey| f32::from(grey) / 255.0),
-            grey.mapv(|grey| [grey; 3]),
-        ),
-        Samples::Grey16(grey) => (
-            grey.mapv(|grey| f32::from(grey) / 65535.0),
-            grey.mapv(|grey| [eight_bits(grey); 3]),
-        ),
-        Samples::Rgb8(rgb) => (rgb.mapv(|rgb| rec_601(rgb, 255.0)), rgb),
-        Samples::Rgb16(rgb) => (
-            rgb.mapv(|rgb| rec_601(rgb, 65535.0)),
-            rgb.mapv(|rgb| rgb.map(eight_bits)),
-        ),
-    };
-    let luma = LumaImage::new(luma).map_err(|not| NotAPicture::Broken(not.to_string()))?;
-    Ok(Picture { luma, rgb })
+    let not = |not: NotAnImage| NotAPicture::Broken(not.to_string());
+    Picture::of_samples(raster::decode(bytes)?).map_err(not)
 }
 
 /// Reads a picture file; see [`decode`].

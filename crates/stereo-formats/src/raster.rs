@@ -69,11 +69,17 @@ pub enum NotAPicture {
 #[error("a plane of {0} pixels cannot be a PNG")]
 pub struct NotAPng(pub Size);
 
-/// What a picture file holds, before anyone says what it means.
-pub(crate) enum Samples {
+/// What a picture file or a camera holds, `[[y, x]]`, before anyone says what it means; the largest code is
+/// white.
+#[derive(Clone, Debug)]
+pub enum Samples {
+    /// Grey, 8 bits.
     Grey8(Array2<u8>),
+    /// Grey, 16 bits.
     Grey16(Array2<u16>),
+    /// Red, green and blue, 8 bits each.
     Rgb8(Array2<[u8; 3]>),
+    /// Red, green and blue, 16 bits each.
     Rgb16(Array2<[u16; 3]>),
 }
 

@@ -137,8 +137,10 @@ pub fn decode(bytes: &[u8]) -> Result<CameraInfo, NotCameraInfo> {
     })
 }
 
-/// A lens by the names that ROS has for it.
-fn lens(model: &str, d: &[f64]) -> Option<Lens> {
+/// A lens by the names that ROS has for it; `None` for a name that is unknown here, or for as many
+/// coefficients as it does not have.
+#[must_use]
+pub fn lens(model: &str, d: &[f64]) -> Option<Lens> {
     match (model, d) {
         ("equidistant" | "fisheye", &[k1, k2, k3, k4]) => Some(Lens::Fisheye([k1, k2, k3, k4])),
         ("equidistant" | "fisheye", _) => None,

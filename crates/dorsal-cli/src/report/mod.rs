@@ -1,8 +1,10 @@
 //! The page that a command leaves beside its files: everything to look at, in one file that needs no
 //! network.
 mod frame;
+mod of_flow;
 mod of_look;
 mod of_scan;
+mod of_v1;
 mod plane;
 
 use std::collections::BTreeMap;
@@ -12,8 +14,10 @@ use dorsal::allocentric_qsr::DepthReference;
 use serde::Serialize;
 
 pub(crate) use frame::Frame;
+pub(crate) use of_flow::flow_page;
 pub(crate) use of_look::look_page;
 pub(crate) use of_scan::scan_page;
+pub(crate) use of_v1::{monogenic_page, responses_page};
 
 /// What the page shows, as data; the page itself draws it.
 #[derive(Debug, Serialize)]

@@ -58,11 +58,11 @@ pub(crate) fn look_page(
     }
     frame.times = times.milliseconds();
     let none = Names::new();
-    let names = plan
+    let names = sight
         .objects
         .as_ref()
         .map_or(&none, |objects| &objects.names);
-    if let Some(objects) = &plan.objects {
+    if let Some(objects) = &sight.objects {
         frame.labels = Some(LabelPlane::of(&objects.labels, MOST_WIDTH));
     }
     if let (Some(scene), Some(rig)) = (&sight.scene, &sight.rig) {
