@@ -48,16 +48,21 @@ pub(crate) struct Options {
 /// Runs the task.
 pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
     let progress = progress(options.quiet);
-    let built_in = [("table", Room::demo()), ("shelf", Room::shelf())]
-        .map(|(name, room)| (name.to_owned(), true, room));
+    let built_in = [("table", Room::demo()), ("shelf", Room::shelf())];
+    let built_in = built_in.into_iter().flat_map(|(name, room)| {
+        let noisy = (format!("{name}, noisy"), false, room.clone());
+        [(name.to_owned(), true, room), noisy]
+    });
     let random =
         (0..options.rooms).map(|seed| (format!("random {seed}"), false, Room::random(seed)));
-    let rooms: Vec<_> = built_in.into_iter().chain(random).collect();
+    let rooms: Vec<_> = built_in.chain(random).collect();
     progress.set_length(rooms.len() as u64);
     let mut run = RoomRun::new(date::today(), Machine::this());
     for (number, (name, built_in, room)) in rooms.into_iter().enumerate() {
         progress.set_message(name.clone());
-        let seen = look(&room, number as u64).with_context(|| format!("room {name}"))?;
+        let noise = name.ends_with("noisy").then(CameraNoise::default);
+        let seen =
+            look(&room, noise.as_ref(), number as u64).with_context(|| format!("room {name}"))?;
         let seen = seen.with_context(|| format!("room {name}: no textured pixel is valid"))?;
         let (scales, dx, dy) = seen;
         run.rooms.push(RoomSeen {
@@ -85,14 +90,22 @@ pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
 }
 
 /// The number of scales, and the errors of `dx` and `dy`; `None` if there is nothing to compare.
-fn look(room: &Room, seed: u64) -> anyhow::Result<Option<(usize, Metrics, Metrics)>> {
+fn look(
+    room: &Room,
+    noise: Option<&CameraNoise>,
+    seed: u64,
+) -> anyhow::Result<Option<(usize, Metrics, Metrics)>> {
     let gaze = room.gaze()?;
     let view = render(room, &gaze, Exposure::default())?;
-    let noise = CameraNoise::default();
     let mut eye_seed = 2 * seed;
     let grey = view.images.as_ref().map(|image| {
         eye_seed += 1;
-        noise.take(image.plane(), eye_seed)
+        match noise {
+            Some(noise) => noise.take(image.plane(), eye_seed),
+            None => image
+                .plane()
+                .mapv(|light| (255.0 * light.clamp(0.0, 1.0)).round() as u8),
+        }
     });
     let eyes = grey
         .as_ref()

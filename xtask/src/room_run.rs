@@ -107,7 +107,8 @@ impl fmt::Display for RoomRun {
         write!(
             f,
             "The default vector pyramid in the rooms that are built in (`table` is the demo's) and in random ones, \
-             before the paper's head, whose eyes converge: shot and read noise, eight bits, no rectification. The \
+             before the paper's head, whose eyes converge: eight bits, no rectification; `noisy` ones with shot noise of \
+             10,000 electrons and reading noise of 10. The \
              search starts in the middle of the true range, with the fewest scales that reach its ends. Errors in \
              px over **textured** pixels (both eyes see them, grey steps of two levels or more, nine pixels from \
              jumps of two pixels) whose answer is valid; density is the part of the textured ones that are.\n\n{}\n\

@@ -70,6 +70,7 @@ pub fn estimate_from_votes(
     }
     if starts.len() > 1 {
         params.sparse_scales = 0;
+        params.slanted_scales = 0;
         // A wrong start is known by how few pixels it explains, and those are among them.
         params.least_patch = 0;
         params.least_coherence = params.least_coherence.min(COMPETING_COHERENCE);
