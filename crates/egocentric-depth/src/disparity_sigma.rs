@@ -41,15 +41,15 @@ impl DisparitySigma {
 
     /// The vector pyramid's: errors grow as the roughness does.
     pub const VECTOR: Self =
-        Self::of_vectors([4.830, 1.197, 0.834, 0.720, 0.658, 0.602, 0.596, 0.596]);
+        Self::of_vectors([2.102, 1.310, 0.886, 0.742, 0.682, 0.623, 0.568, 0.565]);
 
     /// The dense estimator's with [`DenseParams::best`](disparity_pyramid::DenseParams::best).
     pub const DENSE_BEST: Self =
-        Self::along_rows([8.416, 8.416, 8.416, 3.834, 0.674, 0.299, 0.259, 0.219]);
+        Self::along_rows([9.486, 9.486, 9.486, 4.142, 0.687, 0.305, 0.261, 0.221]);
 
     /// The dense estimator's with [`DenseParams::fast`](disparity_pyramid::DenseParams::fast).
     pub const DENSE_FAST: Self =
-        Self::along_rows([10.101, 10.101, 10.101, 4.886, 1.128, 0.352, 0.285, 0.233]);
+        Self::along_rows([9.801, 9.801, 9.801, 4.804, 1.039, 0.347, 0.289, 0.237]);
 
     /// For fields of vectors: a standard deviation at each of [`DisparitySigma::CONFIDENCES`] in a field
     /// whose roughness is one pixel, in pixels.

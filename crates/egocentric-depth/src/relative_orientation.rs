@@ -58,8 +58,9 @@ impl OrientationParams {
     }
 
     /// How eyes are matched whose orientation is asked for: the vertical component of every fit by the
-    /// phases alone, at every pixel, with filters that follow slopes. It takes several times as long as
-    /// the default.
+    /// phases alone, at every pixel, with filters that follow slopes at every scale. Lonely patches count
+    /// too: what is wrong among them the robust fit refuses, and what is right stands where nothing else
+    /// does. It takes several times as long as the default.
     ///
     /// What yaw does to the vertical component is hundredths of a pixel. The default pulls that
     /// component towards the coarser scale's ([`MatchParams::vertical_prior`]), where those
@@ -73,6 +74,7 @@ impl OrientationParams {
             sparse_scales: 0,
             finest_warps: 2,
             slanted_scales: usize::MAX,
+            least_patch: 0,
             ..MatchParams::default()
         }
     }
