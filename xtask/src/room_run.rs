@@ -118,3 +118,40 @@ impl fmt::Display for RoomRun {
         )
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use ndarray::array;
+
+    use super::*;
+
+    fn seen(name: &str, built_in: bool, error_px: f32) -> RoomSeen {
+        let (truth, mask) = (array![[1.0, 2.0]], array![[true, true]]);
+        let errors = |error: f32| {
+            let found = truth.mapv(|truth: f32| truth + error);
+            Metrics::of(found.view(), truth.view(), mask.view()).unwrap()
+        };
+        RoomSeen {
+            name: name.to_owned(),
+            built_in,
+            scales: 6,
+            dx: errors(error_px),
+            dy: errors(0.01),
+        }
+    }
+
+    /// The mark is that of the built-in rooms, and of the component that misses it.
+    #[test]
+    fn a_built_in_room_off_by_more_than_a_tenth_is_named() {
+        let mut run = RoomRun::new("today".to_owned(), Machine::this());
+        run.rooms = vec![seen("table", true, 0.09), seen("random 1", false, 0.3)];
+        assert_eq!(run.missed(), None);
+        run.rooms.push(seen("shelf", true, -0.2));
+        let missed = run.missed().unwrap();
+        assert!(
+            missed.contains("shelf dx: 0.200 px") && !missed.contains("table"),
+            "{missed}"
+        );
+        assert!(!missed.contains("dy"), "{missed}");
+    }
+}
