@@ -12,6 +12,8 @@ impl MatchParams {
         Self {
             least_coherence: 0.7,
             fill_neighbours: Some(10),
+            // A thing may be smaller than any patch that could be asked for.
+            least_patch: 0,
             ..Self::default()
         }
     }

@@ -367,7 +367,11 @@ impl Scan {
         let responses = eyes.as_ref().try_map(|eye| self.bank.respond(eye));
         let responses = responses.map_err(Error::from)?;
         // What is wrongly there does more harm to a map than what is missed, and is looked for again.
-        let matching = MatchParams::default();
+        // Patches may be small all the same, as things in small pictures are.
+        let matching = MatchParams {
+            least_patch: 0,
+            ..MatchParams::default()
+        };
         let found = Range::Given.disparity(&responses, matching);
         let disparity = found.map_err(Error::from)?.field;
 
