@@ -284,7 +284,7 @@ fn what_is_no_rig_is_refused_with_the_number() {
     };
     refused(
         StereoRig::vergent(both(eye), 0.1, parting),
-        "part by -0.02 rad",
+        "part by 1.146 degrees",
     );
     refused(StereoRig::parallel(both(eye), 0.0), "baseline of 0 m");
     refused(
@@ -298,7 +298,7 @@ fn what_is_no_rig_is_refused_with_the_number() {
     };
     refused(
         StereoRig::aimed(both(eye), 0.1, measured),
-        "part by -0.1 rad",
+        "part by 5.730 degrees",
     );
     let slightly = Binocular {
         left: Attitude::panned(-0.01),
