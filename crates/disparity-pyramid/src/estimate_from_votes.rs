@@ -35,7 +35,8 @@ const COMPETING_COHERENCE: f32 = 0.7;
 ///
 /// Fields that compete are fitted at every pixel ([`MatchParams::sparse_scales`] counts as 0), and with
 /// [`MatchParams::least_coherence`] at most 0.7: what decides between them is how many pixels each explains,
-/// and on a repeating pattern that is a matter of a few.
+/// and on a repeating pattern that is a matter of a few. For the same reason their filters are not stretched and
+/// small patches count ([`MatchParams::slanted_scales`] and [`MatchParams::least_patch`] are 0 then).
 ///
 /// # Errors
 /// [`Mismatch`] as `estimate`.

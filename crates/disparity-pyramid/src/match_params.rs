@@ -33,7 +33,7 @@ pub struct MatchParams {
     /// At how many of the finest scales the right eye's filters are stretched by the slope of the
     /// coarser scale's shifts, up to 0.3 px a pixel, as the surface is stretched in its image. Without it
     /// the error of either component grows by two fifths of a pixel times its slope: 0.024 px at a slope of
-    /// 0.06, in place of 0.010 to 0.018 with 1 and 0.007 to 0.016 with all, which takes another fifth of
+    /// 0.06, in place of 0.010 to 0.019 with 1 and 0.007 to 0.016 with all, which takes another fifth of
     /// the time.
     /// [`estimate_monogenic`](crate::estimate_monogenic) and
     /// [`estimate_population`](crate::estimate_population) do not stretch.
