@@ -1,6 +1,7 @@
 use crate::MatchParams;
 use crate::expand::{double_into, expand_into};
 use crate::grid::Grid;
+use crate::median::Windows;
 use crate::shift_covariance::FitCovariance;
 use crate::shifts::Shifts;
 use crate::track::Track;
@@ -69,7 +70,12 @@ pub(crate) fn coarse_to_fine(
             // scale's shift stays.
             let planes = [&mut shifts.dx, &mut shifts.dy];
             let medians_of = &mut level.medians;
-            medians_of.smooth_valid(planes, &shifts.validity, medians, params.median_radius);
+            let windows = Windows {
+                radius: params.median_radius,
+                step: grids[scale].step,
+                slopes: &shifts.slopes,
+            };
+            medians_of.smooth_valid(planes, &shifts.validity, medians, windows);
         }
     }
 }

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 use v1_gabor::Size;
 
 use crate::median_network::{median_of_5_columns, median_of_9, median_of_25, sorted_5};
+use crate::slopes::Slopes;
 use crate::vector::{store, vector};
 use crate::{MedianRadius, Validity};
 
@@ -18,8 +19,29 @@ pub(crate) fn median_of_known(plane: ArrayView2<'_, f32>, radius: MedianRadius) 
     let mut padded = Padded::new(radius, Size::of_dim(plane.dim()));
     padded.take_in(plane.to_slice().expect(CONTIGUOUS), None);
     let mut filtered = Array2::zeros(plane.dim());
-    padded.filter(filtered.as_slice_mut().expect(CONTIGUOUS), false);
+    padded.filter(filtered.as_slice_mut().expect(CONTIGUOUS), false, None);
     filtered
+}
+
+/// The windows that medians look through, and what a shift does within one.
+#[derive(Clone, Copy)]
+pub(crate) struct Windows<'a> {
+    pub(crate) radius: MedianRadius,
+    /// How far one pixel of the planes is from the next, in the pixels that slopes are per.
+    pub(crate) step: usize,
+    /// How fast the shifts grow; see [`Trend`].
+    pub(crate) slopes: &'a Slopes,
+}
+
+/// How one component of the shifts grows within a window. At the border of what is known, a window
+/// has neighbours on one side only, and on a slope their middle is another place's: they are
+/// brought to the place that asks along the slope first.
+#[derive(Clone, Copy)]
+struct Trend<'a> {
+    slopes: &'a Slopes,
+    /// Where a component's two slopes begin among those of a place: 0 for `dx`, 2 for `dy`.
+    first: usize,
+    step: f32,
 }
 
 /// Medians of planes of one size, with what they work in.
@@ -37,27 +59,37 @@ impl Medians {
         planes: [&mut Array2<f32>; 2],
         validity: &Array2<Validity>,
         times: usize,
-        radius: MedianRadius,
+        windows: Windows<'_>,
     ) {
         if times == 0 {
             return;
         }
         let size = Size::of_dim(validity.dim());
+        let Windows {
+            radius,
+            step,
+            slopes,
+        } = windows;
         let room = self.planes.take();
         let fits = |room: &[Padded; 2]| (room[0].radius, room[0].size) == (radius, size);
         let mut room = room
             .filter(fits)
             .unwrap_or_else(|| [Padded::new(radius, size), Padded::new(radius, size)]);
         let validity = validity.as_slice().expect(CONTIGUOUS);
-        for plane in planes {
+        for (plane, first) in planes.into_iter().zip([0, 2]) {
+            let trend = Some(Trend {
+                slopes,
+                first,
+                step: step as f32,
+            });
             let plane = plane.as_slice_mut().expect(CONTIGUOUS);
             room[0].take_in(plane, Some(validity));
             for _ in 1..times {
                 let [now, next] = &mut room;
-                now.filter_into(next);
+                now.filter_into(next, trend);
                 room.swap(0, 1);
             }
-            room[0].filter(plane, true);
+            room[0].filter(plane, true, trend);
         }
         self.planes = Some(room);
     }
@@ -151,24 +183,24 @@ impl Padded {
 
     /// The median around each pixel. Where nothing is known `out` becomes unknown, or keeps its
     /// value.
-    fn filter(&self, out: &mut [f32], keep: bool) {
+    fn filter(&self, out: &mut [f32], keep: bool, trend: Option<Trend<'_>>) {
         out.par_chunks_mut(self.size.width)
             .enumerate()
-            .for_each(|(y, out)| self.filter_row(y, out, keep));
+            .for_each(|(y, out)| self.filter_row(y, out, keep, trend));
     }
 
     /// The median around each pixel, unknown where nothing is known, as a plane to filter again.
-    fn filter_into(&self, out: &mut Self) {
+    fn filter_into(&self, out: &mut Self, trend: Option<Trend<'_>>) {
         let inner = self.reach..self.reach + self.size.width;
         out.rows_mut()
             .enumerate()
             .for_each(|(y, (numbers, known))| {
-                self.filter_row(y, &mut numbers[inner.clone()], false);
+                self.filter_row(y, &mut numbers[inner.clone()], false, trend);
                 note_known(numbers, known);
             });
     }
 
-    fn filter_row(&self, y: usize, out: &mut [f32], keep: bool) {
+    fn filter_row(&self, y: usize, out: &mut [f32], keep: bool, trend: Option<Trend<'_>>) {
         Arch::new().dispatch(Row {
             rows: &self.numbers[y * self.stride..],
             stride: self.stride,
@@ -176,6 +208,7 @@ impl Padded {
             blocks: self.blocks,
             radius: self.radius,
             keep,
+            trend: trend.and_then(|trend| trend.of_row(y)),
             out,
         });
     }
@@ -194,6 +227,44 @@ fn note_known(numbers: &[f32], known: &mut [Known]) {
     }
 }
 
+/// The trend along one row.
+#[derive(Clone, Copy)]
+struct RowTrend<'a> {
+    gradients: &'a [[f32; 4]],
+    /// By how much a column's number is to be shifted to index them.
+    halvings: u32,
+    first: usize,
+    step: f32,
+}
+
+impl<'a> Trend<'a> {
+    fn of_row(&self, y: usize) -> Option<RowTrend<'a>> {
+        let (gradients, halvings) = self.slopes.of_row(y)?;
+        Some(RowTrend {
+            gradients,
+            halvings,
+            first: self.first,
+            step: self.step,
+        })
+    }
+}
+
+impl RowTrend<'_> {
+    /// By how much a component grows from one column to the next, and from one row to the next, at
+    /// the pixels that a vector holds, the first one being in column `x`.
+    #[inline(always)]
+    fn at<S: Simd>(&self, simd: S, x: usize) -> [S::f32s; 2] {
+        let mut slopes = [[0.0; MOST_LANES]; 2];
+        let last = self.gradients.len() - 1;
+        for i in 0..S::F32_LANES {
+            let gradient = &self.gradients[((x + i) >> self.halvings).min(last)];
+            slopes[0][i] = gradient[self.first] * self.step;
+            slopes[1][i] = gradient[self.first + 1] * self.step;
+        }
+        [vector(simd, &slopes[0], 0), vector(simd, &slopes[1], 0)]
+    }
+}
+
 /// The medians of one row, several pixels side by side in a vector.
 struct Row<'a> {
     /// The padded plane from the first row of the windows on.
@@ -206,6 +277,7 @@ struct Row<'a> {
     radius: MedianRadius,
     /// Whether values stay where nothing is known.
     keep: bool,
+    trend: Option<RowTrend<'a>>,
     out: &'a mut [f32],
 }
 
@@ -253,6 +325,30 @@ impl Row<'_> {
             let row = &self.rows[corner + y * self.stride..][..S::F32_LANES + SIDE - 1];
             for x in 0..SIDE {
                 window[SIDE * y + x] = vector(simd, row, x);
+            }
+        }
+        window
+    }
+
+    /// Brings the values of the windows to their middles along the slopes.
+    #[inline(always)]
+    fn levelled<S: Simd, const SIDE: usize, const N: usize>(
+        &self,
+        simd: S,
+        corner: usize,
+        mut window: [S::f32s; N],
+    ) -> [S::f32s; N] {
+        if let Some(trend) = self.trend {
+            let [along_x, along_y] = trend.at(simd, corner);
+            let middle = (SIDE / 2) as f32;
+            for y in 0..SIDE {
+                let rows = simd.splat_f32s(middle - y as f32);
+                for x in 0..SIDE {
+                    let columns = simd.splat_f32s(middle - x as f32);
+                    let value = window[SIDE * y + x];
+                    let value = simd.mul_add_f32s(rows, along_y, value);
+                    window[SIDE * y + x] = simd.mul_add_f32s(columns, along_x, value);
+                }
             }
         }
         window
@@ -314,7 +410,9 @@ impl WithSimd for Row<'_> {
         let keep = self.keep;
         if self.radius == MedianRadius::One {
             for (block, out) in out.chunks_mut(S::F32_LANES).enumerate() {
-                let window = self.window::<S, 3, 9>(simd, block * S::F32_LANES);
+                let at = block * S::F32_LANES;
+                let window = self.window::<S, 3, 9>(simd, at);
+                let window = self.levelled::<S, 3, 9>(simd, at, window);
                 let medians = known(simd, median_of_9(simd, balanced(simd, window)));
                 Self::write(keep, simd, out, medians);
             }
@@ -336,6 +434,7 @@ impl WithSimd for Row<'_> {
                     simd.splat_f32s(f32::NAN)
                 } else if !known_here.all {
                     let window = self.window::<S, SIDE, 25>(simd, start + at);
+                    let window = self.levelled::<S, SIDE, 25>(simd, start + at, window);
                     known(simd, median_of_25(simd, balanced(simd, window)))
                 } else {
                     Self::median_of_columns(simd, &columns, at)
@@ -391,6 +490,54 @@ mod tests {
         a.iter()
             .zip(b)
             .all(|(a, b)| a == b || (a.is_nan() && b.is_nan()))
+    }
+
+    /// Half of a steep plane is known, on one side of a ragged border: across it the medians go on along the
+    /// plane. Without the slope they would lag by up to two rows.
+    #[test]
+    fn medians_go_on_along_a_slope() {
+        let size = Size {
+            width: 45,
+            height: 30,
+        };
+        // Of the coarser grid; the finer has twice as many pixels a side, and twice the shifts.
+        let (along_x, along_y) = (0.2f32, -0.5f32);
+        let coarse =
+            Array2::from_shape_fn((15, 23), |(y, x)| along_x * x as f32 + along_y * y as f32);
+        let level = Array2::zeros((15, 23));
+        let mut slopes = Slopes::default();
+        slopes.measure((&coarse, &level), 1, 1);
+        let plane =
+            Array2::from_shape_fn(size.dim(), |(y, x)| along_x * x as f32 + along_y * y as f32);
+        let validity = Array2::from_shape_fn(size.dim(), |(y, x)| {
+            let known = y + x % 3 < 15;
+            if known {
+                Validity::Valid
+            } else {
+                Validity::NoEnergy
+            }
+        });
+        for radius in [MedianRadius::One, MedianRadius::Two] {
+            let windows = |slopes| Windows {
+                radius,
+                step: 1,
+                slopes,
+            };
+            let farthest = |slopes| {
+                let mut smoothed = [plane.clone(), Array2::zeros(size.dim())];
+                let [dx, dy] = &mut smoothed;
+                Medians::default().smooth_valid([dx, dy], &validity, 1, windows(slopes));
+                (&smoothed[0] - &plane)
+                    .iter()
+                    .fold(0.0f32, |most, miss| most.max(miss.abs()))
+            };
+            assert!(
+                farthest(&slopes) < 1e-5,
+                "{radius:?}: {}",
+                farthest(&slopes)
+            );
+            assert!(farthest(&Slopes::default()) > 0.4);
+        }
     }
 
     proptest! {

@@ -3,14 +3,21 @@ use rayon::prelude::*;
 
 use crate::tile::{Along, TILE};
 
-/// Steepest slope that is a surface's, in pixels a pixel; what is steeper is a step, which stretches
-/// nothing.
-const STEEPEST: f32 = 0.3;
+/// Steepest slope that is a surface's, in pixels a pixel; what is steeper is a step, along which
+/// nothing is stretched.
+const STEEPEST: f32 = 0.7;
+
+/// How far the two neighbours are, in pixels of the coarser grid, that a slope is measured against.
+const REACH: usize = 2;
 
 /// Slopes below this are let be, as they move a shift by less than 0.003 px.
 const LEAST: f32 = 0.005;
 
-/// How fast the shifts of the coarser scale grow from pixel to pixel, by which filters are stretched.
+/// How fast the shifts of the coarser scale grow from pixel to pixel, by which filters are stretched
+/// and which medians follow.
+///
+/// A slope is the smaller one of those to the two sides, and 0 where these differ in sign: beside a
+/// step the surface's own, and seldom that of the step.
 ///
 /// Where the shift grows by `A_ij = d d_i / d x_j`, the right image is the left one stretched by
 /// `I + A` about the place that is read, and one filter sees two different pieces of the surface.
@@ -64,20 +71,19 @@ impl Slopes {
             .par_chunks_mut(width)
             .enumerate()
             .for_each(|(y, out)| {
-                let (above, below) = (y.saturating_sub(1), (y + 1).min(height - 1));
-                let per_y = 1.0 / ((below - above).max(1) * step) as f32;
+                let (above, below) = around(y, height);
                 let rows =
                     planes.map(|plane| [above, y, below].map(|row| &plane[row * width..][..width]));
                 for (x, out) in out.iter_mut().enumerate() {
-                    let (before, after) = (x.saturating_sub(1), (x + 1).min(width - 1));
-                    let per_x = 1.0 / ((after - before).max(1) * step) as f32;
-                    let [[x_above, x_here, x_below], [y_above, y_here, y_below]] = rows;
-                    let slopes = [
-                        (x_here[after] - x_here[before]) * per_x,
-                        (x_below[x] - x_above[x]) * per_y,
-                        (y_here[after] - y_here[before]) * per_x,
-                        (y_below[x] - y_above[x]) * per_y,
-                    ];
+                    let (before, after) = around(x, width);
+                    let along_x = |[_, row, _]: [&[f32]; 3]| {
+                        slope([before, x, after], [before, x, after].map(|x| row[x]))
+                    };
+                    let along_y =
+                        |rows: [&[f32]; 3]| slope([above, y, below], rows.map(|row| row[x]));
+                    let [of_x, of_y] = rows;
+                    let slopes = [along_x(of_x), along_y(of_x), along_x(of_y), along_y(of_y)];
+                    let slopes = slopes.map(|slope| slope / step as f32);
                     let steepest = slopes
                         .iter()
                         .fold(0.0f32, |most, slope| most.max(slope.abs()));
@@ -87,25 +93,60 @@ impl Slopes {
             });
     }
 
-    /// Those of a tile; `None` if nothing is stretched there.
+    /// Those of a row of the grid they were measured for, and by how much a column's number is to be
+    /// shifted to index them; `None` if there are none.
     #[inline(always)]
-    pub(crate) fn of_tile(&self, at: Along) -> Option<TileSlopes> {
+    pub(crate) fn of_row(&self, y: usize) -> Option<(&[[f32; 4]], u32)> {
         if self.gradients.is_empty() {
             return None;
         }
-        let row = (at.y / at.step) >> self.halvings;
-        let first = at.x / at.step;
         let height = self.gradients.len() / self.width;
-        let row = &self.gradients[row.min(height - 1) * self.width..][..self.width];
+        let row = (y >> self.halvings).min(height - 1);
+        Some((
+            &self.gradients[row * self.width..][..self.width],
+            self.halvings,
+        ))
+    }
+
+    /// Those of a tile; `None` if nothing is stretched there.
+    #[inline(always)]
+    pub(crate) fn of_tile(&self, at: Along) -> Option<TileSlopes> {
+        let (row, halvings) = self.of_row(at.y / at.step)?;
+        let first = at.x / at.step;
         let mut slopes = TileSlopes([[0.0; TILE]; 4]);
         let mut steepest = 0.0f32;
         for i in 0..TILE {
-            let gradient = row[((first + i) >> self.halvings).min(self.width - 1)];
+            let gradient = row[((first + i) >> halvings).min(row.len() - 1)];
             for n in 0..4 {
                 slopes.0[n][i] = gradient[n];
                 steepest = steepest.max(gradient[n].abs());
             }
         }
         (steepest > 0.0).then_some(slopes)
+    }
+}
+
+/// The places of a line of `length` pixels that a slope at one of them is measured against.
+#[inline(always)]
+fn around(at: usize, length: usize) -> (usize, usize) {
+    (at.saturating_sub(REACH), (at + REACH).min(length - 1))
+}
+
+/// How fast values grow about the middle one of three places, of which one or both of the outer ones
+/// may be the middle one itself, at the end of a line.
+#[inline(always)]
+fn slope([before, here, after]: [usize; 3], values: [f32; 3]) -> f32 {
+    let behind = (values[1] - values[0]) / (here - before).max(1) as f32;
+    let ahead = (values[2] - values[1]) / (after - here).max(1) as f32;
+    if before == here {
+        ahead
+    } else if after == here {
+        behind
+    } else if behind * ahead <= 0.0 {
+        0.0
+    } else if behind.abs() < ahead.abs() {
+        behind
+    } else {
+        ahead
     }
 }
