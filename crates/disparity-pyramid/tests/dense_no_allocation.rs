@@ -95,35 +95,3 @@ fn a_later_pair_allocates_nothing_large() {
         }
     }
 }
-
-/// What a workspace has been used for does not show: pairs of several sizes and ranges, in turn, for
-/// both presets.
-#[test]
-fn a_workspace_forgets() {
-    let mut workspace = DenseWorkspace::new();
-    let mut field = DisparityField::default();
-    for (width, height, near, most, best) in [
-        (90, 40, 12, 30, false),
-        (61, 70, 9, 17, true),
-        (90, 40, 16, 40, true),
-        (90, 40, 16, 40, false),
-        (12, 9, 5, 8, false),
-        (90, 40, 12, 30, false),
-    ] {
-        let size = Size { width, height };
-        let eyes = pair(size, near);
-        let views = eyes.as_ref().map(EyeView::grey);
-        let params = if best {
-            DenseParams::best()
-        } else {
-            DenseParams::fast()
-        };
-        let matcher = DenseMatcher::plan(params, size).expect("a plan");
-        let search = SearchRange::new(-most, 3).expect("a range");
-        matcher
-            .estimate_into(&views, search, &mut workspace, &mut field)
-            .expect("a field");
-        let alone = matcher.estimate(&views, search).expect("a field");
-        assert!(alone == field, "{size} up to {most} px");
-    }
-}
