@@ -6,7 +6,8 @@ use std::time::Duration;
 use anyhow::Context;
 use clap::Args;
 use disparity_pyramid::{
-    DenseMatcher, DenseParams, DisparityField, EyeView, MatchParams, SearchRange, VectorMatcher,
+    DenseMatcher, DenseParams, DenseWorkspace, DisparityField, EyeView, MatchParams, SearchRange,
+    VectorMatcher,
 };
 use egocentric_depth::StereoRig;
 use indicatif::ProgressBar;
@@ -259,6 +260,23 @@ fn start_peers(
     OpencvClock::start(python, (&paths.left, &paths.right), SHIFTS, threads)
 }
 
+/// The dense estimator, with what it keeps from frame to frame.
+struct DenseStream {
+    matcher: DenseMatcher,
+    workspace: DenseWorkspace,
+    field: DisparityField,
+}
+
+impl DenseStream {
+    fn plan(params: DenseParams, size: Size) -> anyhow::Result<Self> {
+        Ok(Self {
+            matcher: DenseMatcher::plan(params, size)?,
+            workspace: DenseWorkspace::new(),
+            field: DisparityField::default(),
+        })
+    }
+}
+
 /// What runs of ours need, planned once as for a stream of frames.
 struct Ours {
     images: Binocular<LumaImage>,
@@ -270,7 +288,7 @@ struct Ours {
     /// One for each setting.
     vector: BTreeMap<&'static str, VectorMatcher>,
     field: DisparityField,
-    dense: BTreeMap<&'static str, DenseMatcher>,
+    dense: BTreeMap<&'static str, DenseStream>,
     search: SearchRange,
 }
 
@@ -313,7 +331,7 @@ impl Ours {
         ];
         let dense = dense
             .into_iter()
-            .map(|(name, params)| Ok((name, DenseMatcher::plan(params, size)?)));
+            .map(|(name, params)| Ok((name, DenseStream::plan(params, size)?)));
         Ok(Self {
             parallel,
             dense: dense.collect::<anyhow::Result<_>>()?,
@@ -346,11 +364,17 @@ impl Ours {
             &self.parallel
         };
         let views = pair.as_ref().map(EyeView::grey);
-        let matcher = self
+        let stream = self
             .dense
-            .get(name)
+            .get_mut(name)
             .with_context(|| format!("nobody is called {name}"))?;
-        black_box(matcher.estimate(&views, self.search)?);
+        let DenseStream {
+            matcher,
+            workspace,
+            field,
+        } = stream;
+        matcher.estimate_into(&views, self.search, workspace, field)?;
+        black_box(field);
         Ok(())
     }
 

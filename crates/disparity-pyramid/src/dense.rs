@@ -13,13 +13,16 @@
 //! 7. surface cells: a slanted plane about each pixel;
 //! 8. confidence.
 mod aggregate;
+mod bands;
 mod bank_rows;
 mod confidence;
 mod cross_arms;
 mod dense_matcher;
 mod dense_params;
+mod dense_workspace;
 mod eye_view;
 mod fill;
+mod fitted;
 mod guide;
 mod hyperacuity;
 mod local_range;
@@ -42,6 +45,7 @@ mod winner;
 
 pub use dense_matcher::{BadDense, DenseMatcher, WrongView};
 pub use dense_params::{Acuity, BadDenseParam, Cost, DenseParams, LookBack};
+pub use dense_workspace::DenseWorkspace;
 pub use eye_view::EyeView;
 pub use row_alignment::RowAlignment;
 pub use search_range::{BadRange, SearchRange};

@@ -97,8 +97,8 @@ mod vector_matcher;
 mod warp;
 
 pub use dense::{
-    Acuity, BadDense, BadDenseParam, BadRange, Cost, DenseMatcher, DenseParams, EyeView, LookBack,
-    RowAlignment, SearchRange, WrongView,
+    Acuity, BadDense, BadDenseParam, BadRange, Cost, DenseMatcher, DenseParams, DenseWorkspace,
+    EyeView, LookBack, RowAlignment, SearchRange, WrongView,
 };
 pub use disparity_field::{Disparity, DisparityField, NotAField};
 pub use estimate::{Mismatch, estimate, estimate_into};

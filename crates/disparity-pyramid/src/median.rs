@@ -44,6 +44,25 @@ struct Trend<'a> {
     step: f32,
 }
 
+/// [`median_of_known`] of one plane after the other in place, with what it works in.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct KnownMedian(Option<Padded>);
+
+impl KnownMedian {
+    /// Replaces the plane by its medians.
+    pub(crate) fn smooth(&mut self, plane: &mut Array2<f32>, radius: MedianRadius) {
+        let size = Size::of_dim(plane.dim());
+        let held = self.0.take();
+        let held = held.filter(|padded| (padded.radius, padded.size) == (radius, size));
+        let padded = self
+            .0
+            .insert(held.unwrap_or_else(|| Padded::new(radius, size)));
+        let plane = plane.as_slice_mut().expect(CONTIGUOUS);
+        padded.take_in(plane, None);
+        padded.filter(plane, false, None);
+    }
+}
+
 /// Medians of planes of one size, with what they work in.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Medians {

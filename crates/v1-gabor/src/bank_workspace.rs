@@ -26,8 +26,6 @@ pub struct BankWorkspace {
 #[derive(Clone, Debug)]
 pub(crate) struct BandWorkspace {
     pub(crate) strips: StripWorkspace,
-    /// One row of an image, low-passed vertically.
-    pub(crate) row: Vec<f32>,
 }
 
 /// Bands for each thread, so that a thread that is held up leaves work to the others.
@@ -46,7 +44,6 @@ impl BankWorkspace {
         };
         let band = BandWorkspace {
             strips: kernel.workspace(),
-            row: vec![0.0; finest.width],
         };
         Self {
             coarser: sizes.map(|size| Array2::zeros(size.dim())).collect(),

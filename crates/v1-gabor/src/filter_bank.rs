@@ -169,7 +169,7 @@ impl FilterBank {
         for scale in responses.scales_mut() {
             self.respond_at_one_scale(plane, bands, scale.samples_mut());
             if let Some(next) = coarser.next() {
-                reduce_into(plane, next, bands);
+                reduce_into(plane, next);
                 plane = next.view();
             }
         }
@@ -312,7 +312,7 @@ impl FilterBank {
         } = workspace;
         let mut plane = image.plane();
         for (scale, next) in responses.scales_mut().iter_mut().zip(planes) {
-            reduce_into(plane, next, bands);
+            reduce_into(plane, next);
             plane = next.view();
             self.respond_at_one_scale(plane, bands, scale.samples_mut());
         }

@@ -1,7 +1,7 @@
 use ndarray::{Array2, ArrayView2};
 
 use crate::Size;
-use crate::pyramid::reduce;
+use crate::pyramid::{reduce, reduce_into};
 
 /// A grey image `[[y, x]]`: at least one pixel, every sample finite, by habit in `[0, 1]`.
 ///
@@ -59,6 +59,15 @@ impl LumaImage {
     #[must_use]
     pub fn halved(&self) -> Self {
         Self(reduce(self.plane()))
+    }
+
+    /// The same, written over an earlier image: nothing is allocated if that has the size already.
+    pub fn halve_into(&self, halved: &mut Self) {
+        let size = self.size().halved();
+        if halved.size() != size {
+            halved.0 = Array2::zeros(size.dim());
+        }
+        reduce_into(self.plane(), &mut halved.0);
     }
 
     /// The samples `[[y, x]]`, given away.

@@ -2,7 +2,6 @@ use ndarray::{Array2, ArrayView2};
 use rayon::prelude::*;
 
 use crate::Size;
-use crate::bank_workspace::BandWorkspace;
 
 /// The binomial low-pass `[1 4 6 4 1] / 16`.
 const BINOMIAL: [f32; 5] = [1.0 / 16.0, 4.0 / 16.0, 6.0 / 16.0, 4.0 / 16.0, 1.0 / 16.0];
@@ -12,68 +11,57 @@ const BINOMIAL: [f32; 5] = [1.0 / 16.0, 4.0 / 16.0, 6.0 / 16.0, 4.0 / 16.0, 1.0 
 ///
 /// Coarse pixel `(x, y)` lies at fine pixel `(2 x, 2 y)`.
 pub(crate) fn reduce(plane: ArrayView2<'_, f32>) -> Array2<f32> {
-    let fine = Size::of_dim(plane.dim());
-    let mut reduced = Array2::zeros(fine.halved().dim());
-    let mut low_passed = vec![0.0; fine.width];
-    for (y, out) in reduced.rows_mut().into_iter().enumerate() {
-        let out = out.into_slice().expect("a fresh array is contiguous");
-        reduce_row(plane, y, &mut low_passed, out);
-    }
+    let mut reduced = Array2::zeros(Size::of_dim(plane.dim()).halved().dim());
+    reduce_into(plane, &mut reduced);
     reduced
 }
 
-/// The same into a plane of the right size, with the caller's threads and buffers.
-pub(crate) fn reduce_into(
-    plane: ArrayView2<'_, f32>,
-    reduced: &mut Array2<f32>,
-    bands: &mut [BandWorkspace],
-) {
-    let coarse = Size::of_dim(reduced.dim());
-    let rows = coarse.height.div_ceil(bands.len());
+/// The same into a plane of the right size.
+pub(crate) fn reduce_into(plane: ArrayView2<'_, f32>, reduced: &mut Array2<f32>) {
+    let width = reduced.ncols();
     reduced
         .as_slice_mut()
         .expect("a planned plane is contiguous")
-        .par_chunks_mut(rows * coarse.width)
-        .zip(bands)
+        .par_chunks_exact_mut(width)
         .enumerate()
-        .for_each(|(band, (out, workspace))| {
-            for (y, out) in out.chunks_exact_mut(coarse.width).enumerate() {
-                reduce_row(plane, band * rows + y, &mut workspace.row, out);
-            }
-        });
+        .for_each(|(y, out)| reduce_row(plane, y, out));
 }
 
-/// Row `y` of the coarser plane. `low_passed` is a buffer of at least the finer plane's width.
-fn reduce_row(plane: ArrayView2<'_, f32>, y: usize, low_passed: &mut [f32], out: &mut [f32]) {
+/// Coarse pixels of a row that are made together, so that what they are made from needs no buffer.
+const STRIP: usize = 256;
+
+/// Columns under the outer taps of a pixel, on either side.
+const REACH: usize = BINOMIAL.len() / 2;
+
+/// Row `y` of the coarser plane.
+fn reduce_row(plane: ArrayView2<'_, f32>, y: usize, out: &mut [f32]) {
     let (height, width) = plane.dim();
-    let low_passed = &mut low_passed[..width];
-    low_passed.fill(0.0);
-    for (k, tap) in BINOMIAL.iter().enumerate() {
-        let row = plane.row((2 * y + k).saturating_sub(2).min(height - 1));
-        let row = row.to_slice().expect("a plane is contiguous");
-        for (sum, sample) in low_passed.iter_mut().zip(row) {
-            *sum += tap * sample;
+    for (strip, out) in out.chunks_mut(STRIP).enumerate() {
+        // The columns from the first pixel's first tap to the last pixel's last one; the first of
+        // those that the plane has stands at `first`.
+        let start = 2 * STRIP * strip;
+        let columns = start.saturating_sub(REACH)..(start + 2 * out.len() - 1 + REACH).min(width);
+        let first = columns.start + REACH - start;
+        let mut low_passed = [0.0f32; 2 * STRIP + 2 * REACH];
+        let own = &mut low_passed[first..first + columns.len()];
+        for (k, tap) in BINOMIAL.iter().enumerate() {
+            let row = plane.row((2 * y + k).saturating_sub(REACH).min(height - 1));
+            let row = row.to_slice().expect("a plane is contiguous");
+            for (sum, sample) in own.iter_mut().zip(&row[columns.clone()]) {
+                *sum += tap * sample;
+            }
         }
-    }
-    let taps = |x: usize, at: &dyn Fn(usize) -> f32| {
-        let taps = BINOMIAL.iter().enumerate();
-        taps.map(|(k, tap)| tap * at(2 * x + k)).sum::<f32>()
-    };
-    // Where no tap falls beyond either end, the samples need no choosing.
-    let (first, end) = (
-        1.min(out.len()),
-        (width.saturating_sub(1) / 2).max(1).min(out.len()),
-    );
-    let windows = low_passed.windows(BINOMIAL.len()).step_by(2);
-    for (out, window) in out[first..end].iter_mut().zip(windows) {
-        let mut sum = 0.0;
-        for k in 0..BINOMIAL.len() {
-            sum += BINOMIAL[k] * window[k];
+        let (before, after) = (own[0], own[own.len() - 1]);
+        low_passed[..first].fill(before);
+        low_passed[first + columns.len()..].fill(after);
+        let windows = low_passed.windows(BINOMIAL.len()).step_by(2);
+        for (out, window) in out.iter_mut().zip(windows) {
+            let mut sum = 0.0;
+            for k in 0..BINOMIAL.len() {
+                sum += BINOMIAL[k] * window[k];
+            }
+            *out = sum;
         }
-        *out = sum;
-    }
-    for x in (0..first).chain(end..out.len()) {
-        out[x] = taps(x, &|at| low_passed[at.saturating_sub(2).min(width - 1)]);
     }
 }
 
@@ -92,6 +80,19 @@ mod tests {
             prop_assert_eq!(reduced.dim(), (height.div_ceil(2), width.div_ceil(2)));
             // Five taps that sum to one in f32, twice: a few units in the last place.
             prop_assert!(reduced.iter().all(|&v| (v - luma).abs() <= 1e-6));
+        }
+
+        /// Strips of a row and single pixels of it are made alike.
+        #[test]
+        fn strips_are_pixels(width in 1usize..1200, seed in 1u32..1000) {
+            let sample = |x: usize| ((x as u32).wrapping_mul(seed) % 251) as f32 / 251.0;
+            let reduced = reduce(Array2::from_shape_fn((1, width), |(_, x)| sample(x)).view());
+            for (x, found) in reduced.iter().enumerate() {
+                let tap = |k: usize| sample((2 * x + k).saturating_sub(REACH).min(width - 1));
+                let want: f32 = (0..BINOMIAL.len()).map(|k| BINOMIAL[k] * tap(k)).sum();
+                // Sixteen sums of numbers below 1.
+                prop_assert!((found - want).abs() < 2e-6, "{found} and {want} at {x}");
+            }
         }
 
         /// A slope keeps its place: coarse `(x, y)` is fine `(2 x, 2 y)` away from the borders.

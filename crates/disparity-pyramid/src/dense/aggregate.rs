@@ -1,6 +1,6 @@
 use std::ops::Range;
 
-use ndarray::{Array2, ArrayViewMut1, ArrayViewMut2, Axis, s};
+use ndarray::{Array2, ArrayViewMut2, Axis, s};
 use rayon::prelude::*;
 
 use crate::SearchRange;
@@ -37,17 +37,25 @@ impl<C> Clone for Ground<'_, C> {
 
 impl<C> Copy for Ground<'_, C> {}
 
-/// The shift of every pixel whose paths cost least.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Winners {
+/// Where the shift of every pixel whose paths cost least is written. All planes have the size of the
+/// guide.
+#[derive(Debug)]
+pub(crate) struct Winners<'a> {
     /// Shifts in pixels, between whole ones by the parabola.
-    pub(crate) dx: Array2<f32>,
+    pub(crate) dx: &'a mut Array2<f32>,
     /// How much more the best other shift costs, in the integers of a cost; 0 where nothing tells
     /// two shifts apart.
-    pub(crate) margin: Array2<u8>,
+    pub(crate) margin: &'a mut Array2<u8>,
     /// The shift (still `dx`, right minus left) of every pixel of the other eye by the same sums,
     /// in whole pixels; NaN where no shift leads there.
-    pub(crate) other_dx: Option<Array2<f32>>,
+    pub(crate) other_dx: Option<&'a mut Array2<f32>>,
+}
+
+/// What paths need, kept from pair to pair.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PathRoom {
+    strips: Vec<Strip>,
+    rows: Vec<RowSpace>,
 }
 
 /// Semi-global aggregation: three paths, from the left, the right and above, run through every
@@ -56,31 +64,41 @@ pub(crate) struct Winners {
 /// A path from below would need every column to its end before the first row is known: twice the
 /// work of one from above, for a hundredth of the errors. So the image is walked once, in bands of a
 /// few rows: first the paths down, thread by thread in strips of columns, then those along the rows.
-/// No sum depends on how many threads share the work. With `other` the sums also say what the other
-/// eye sees.
+/// No sum depends on how many threads share the work. With [`Winners::other_dx`] the sums also say
+/// what the other eye sees.
 ///
 /// All sums are bytes. A sum of three paths above 255 stays there; the winner's is far below, since
 /// no path pays more than the winner's cost and a large step for being elsewhere.
 pub(crate) fn aggregate<C: PixelCost>(
     ground: Ground<'_, C>,
     search: SearchRange,
-    other: bool,
-) -> Winners {
+    room: &mut PathRoom,
+    winners: Winners<'_>,
+) {
     let (width, height) = (ground.guide.width(), ground.guide.height());
     let threads = rayon::current_num_threads();
     let band = (ROWS_A_JOB * threads).min(height.next_multiple_of(ROWS_A_JOB));
     let tiles = ground.windows.columns();
     let of_strip = tiles.div_ceil(threads);
-    let strips = (0..tiles).step_by(of_strip);
-    let mut strips: Vec<Strip> = strips
-        .map(|first| Strip::new(ground.windows, first..(first + of_strip).min(tiles), band))
-        .collect();
-    let space = RowSpace::new(ground.windows, width, search);
-    let mut spaces = vec![space; band];
+    let PathRoom {
+        strips,
+        rows: spaces,
+    } = room;
+    strips.resize_with(tiles.div_ceil(of_strip), Strip::default);
+    for (strip, first) in strips.iter_mut().zip((0..tiles).step_by(of_strip)) {
+        let tiles = first..(first + of_strip).min(tiles);
+        strip.fit(ground.windows, tiles, band);
+    }
+    spaces.resize_with(band, RowSpace::default);
+    for space in &mut *spaces {
+        space.fit(ground.windows, width, search);
+    }
 
-    let mut dx = Array2::zeros((height, width));
-    let mut margin = Array2::zeros((height, width));
-    let mut other_dx = other.then(|| Array2::zeros((height, width)));
+    let Winners {
+        dx,
+        margin,
+        mut other_dx,
+    } = winners;
     for top in (0..height).step_by(band) {
         let rows = band.min(height - top);
         strips.par_iter_mut().for_each(|strip| {
@@ -106,7 +124,7 @@ pub(crate) fn aggregate<C: PixelCost>(
             .map(|(job, ((dx, margin), spaces))| Rows {
                 ground,
                 search,
-                strips: &strips,
+                strips,
                 band_top: top,
                 top: top + job * ROWS_A_JOB,
                 spaces: &mut spaces[..dx.nrows()],
@@ -116,11 +134,6 @@ pub(crate) fn aggregate<C: PixelCost>(
             });
         let jobs: Vec<_> = jobs.collect();
         jobs.into_par_iter().for_each(widest);
-    }
-    Winners {
-        dx,
-        margin,
-        other_dx,
     }
 }
 
@@ -145,7 +158,7 @@ const fn places<const N: usize>(window: Window) -> usize {
 }
 
 /// A few columns of tiles: the paths down through them, and what they find in the rows of one band.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 struct Strip {
     tiles: Range<usize>,
     /// The paths' costs after the row above, a run a column, and the least of each.
@@ -161,17 +174,21 @@ struct Strip {
 }
 
 impl Strip {
-    fn new(windows: &SearchWindows, tiles: Range<usize>, band: usize) -> Self {
+    /// Makes room for these tiles, and begins above the first row, where nothing has been paid.
+    fn fit(&mut self, windows: &SearchWindows, tiles: Range<usize>, band: usize) {
         let stride = windows.most_in_row(&tiles);
-        Self {
-            runs: vec![0; stride],
-            least: vec![0; tiles.len() * TILE.width],
-            spare: vec![0; stride],
-            stride,
-            costs: vec![0; band * stride],
-            down: vec![0; band * stride],
-            tiles,
+        self.stride = stride;
+        for (places, count) in [
+            (&mut self.runs, stride),
+            (&mut self.least, tiles.len() * TILE.width),
+        ] {
+            places.clear();
+            places.resize(count, 0);
         }
+        self.spare.resize(stride, 0);
+        self.costs.resize(band * stride, 0);
+        self.down.resize(band * stride, 0);
+        self.tiles = tiles;
     }
 
     /// On the way from a row of some windows to one of others.
@@ -272,7 +289,7 @@ fn walk_down<W: Wide, C: PixelCost, const N: usize>(
 }
 
 /// What the paths of one row need.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 struct RowSpace {
     /// The costs of a path along the row at its last pixel, and the least of them.
     run: Vec<u8>,
@@ -286,12 +303,14 @@ struct RowSpace {
     /// The least sum that leads to each pixel of the other eye, and its shift's place in the block:
     /// places are counted within blocks of as many as a byte tells apart.
     other: Vec<OtherEye>,
+    /// The least sum of all blocks.
+    told: Vec<u8>,
     /// How the rows of the other eye are padded.
     padding: Padding,
 }
 
 /// What a block of shifts tells the other eye, pixel by pixel of a padded row.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 struct OtherEye {
     least: Vec<u8>,
     place: Vec<u8>,
@@ -302,24 +321,23 @@ struct OtherEye {
 const BLOCK: usize = 256 - LANES;
 
 impl RowSpace {
-    fn new(windows: &SearchWindows, width: usize, search: SearchRange) -> Self {
-        let padding = Padding::of(search);
-        let stride = padding.stride(width);
-        let other = OtherEye {
-            least: vec![0; stride],
-            place: vec![0; stride],
-        };
-        let places = windows.most_places();
-        Self {
-            run: vec![0; places],
-            least: 0,
-            spare: vec![0; places],
-            onward: vec![0; windows.most_in_row(&(0..windows.columns()))],
-            total: vec![0; places],
-            large: vec![0; width + 1],
-            other: vec![other; search.shifts().div_ceil(BLOCK)],
-            padding,
+    fn fit(&mut self, windows: &SearchWindows, width: usize, search: SearchRange) {
+        self.padding = Padding::of(search);
+        let stride = self.padding.stride(width);
+        let blocks = search.shifts().div_ceil(BLOCK);
+        self.other.resize_with(blocks, OtherEye::default);
+        for other in &mut self.other {
+            other.least.resize(stride, 0);
+            other.place.resize(stride, 0);
         }
+        let places = windows.most_places();
+        for run in [&mut self.run, &mut self.spare, &mut self.total] {
+            run.resize(places, 0);
+        }
+        let of_row = windows.most_in_row(&(0..windows.columns()));
+        self.onward.resize(of_row, 0);
+        self.large.resize(width + 1, 0);
+        self.told.resize(width, 0);
     }
 
     /// Before the first pixel of a path, where nothing has been paid.
@@ -410,7 +428,9 @@ impl<C: PixelCost> WideWork for Rows<'_, C> {
             return;
         };
         for (mut other_dx, space) in other_dx.rows_mut().into_iter().zip(self.spaces) {
-            space.told(self.search, &mut other_dx);
+            if let Some(other_dx) = other_dx.as_slice_mut() {
+                space.tell(self.search, other_dx);
+            }
         }
     }
 }
@@ -508,19 +528,24 @@ impl RowSpace {
     }
 
     /// The shift that leads to each pixel of the other eye with the least sum, NaN where none does.
-    fn told(&self, search: SearchRange, other_dx: &mut ArrayViewMut1<'_, f32>) {
-        let own = self.padding.place(0)..self.padding.place(other_dx.len());
-        let mut least = vec![NO_SHIFT; other_dx.len()];
+    #[inline(always)]
+    fn tell(&mut self, search: SearchRange, other_dx: &mut [f32]) {
+        let width = other_dx.len();
+        let start = self.padding.place(0);
+        let held = &mut self.told[..width];
+        held.fill(NO_SHIFT);
         other_dx.fill(f32::NAN);
         for (block, other) in self.other.iter().enumerate() {
             let first = (search.least_dx() + (block * BLOCK) as i32) as f32;
-            let told = other.least[own.clone()]
-                .iter()
-                .zip(&other.place[own.clone()]);
-            for ((dx, least), (sum, place)) in other_dx.iter_mut().zip(&mut least).zip(told) {
-                if *sum < *least {
-                    (*least, *dx) = (*sum, first + f32::from(*place));
-                }
+            let (sums, places) = (
+                &other.least[start..][..width],
+                &other.place[start..][..width],
+            );
+            for x in 0..width {
+                let less = sums[x] < held[x];
+                let dx = first + f32::from(places[x]);
+                other_dx[x] = if less { dx } else { other_dx[x] };
+                held[x] = if less { sums[x] } else { held[x] };
             }
         }
     }
@@ -557,7 +582,7 @@ mod tests {
             (self, y)
         }
 
-        fn seen_by_the_other_eye(&self) -> Self {
+        fn change_eyes(&mut self) {
             unreachable!("aggregation looks with one eye")
         }
     }
@@ -639,26 +664,32 @@ mod tests {
             let given = Given { width, shifts, costs };
             let luma = Array2::from_shape_simple_fn((height, width), || random(9) as f32 / 255.0);
             let luma = LumaImage::new(luma).unwrap();
-            let guide = Guide::of(&EyeView::grey(&luma), true);
+            let mut guide = Guide::default();
+            guide.take_in(&EyeView::grey(&luma), true);
             let penalty = StepPenalty::new(&DenseParams::best());
             let search = SearchRange::new(least, least + shifts as i32 - 1).unwrap();
             let size = Size { width, height };
-            let windows = SearchWindows::all(size, search);
+            let mut windows = SearchWindows::default();
+            windows.take_all(size, search);
             let ground =
                 Ground { cost: &given, guide: &guide, penalty: &penalty, shifts, windows: &windows };
-            let winners = aggregate(ground, search, true);
+            let mut dx = Array2::zeros((height, width));
+            let mut margin = Array2::zeros((height, width));
+            let mut other = Array2::zeros((height, width));
+            let winners =
+                Winners { dx: &mut dx, margin: &mut margin, other_dx: Some(&mut other) };
+            aggregate(ground, search, &mut PathRoom::default(), winners);
             let plain = plainly(&given, &guide, &penalty);
-            let other = winners.other_dx.unwrap();
             for y in 0..height {
                 for x in 0..width {
                     let sums = &plain[(y * width + x) * shifts..][..shifts];
                     prop_assert!(sums.iter().any(|sum| *sum < 255), "the winner's sum is a byte");
                     let best = (0..shifts).min_by_key(|d| sums[*d]).unwrap();
-                    let found = winners.dx[[y, x]] - least as f32;
+                    let found = dx[[y, x]] - least as f32;
                     prop_assert!((found - best as f32).abs() <= 0.5);
                     let second = (0..shifts).filter(|d| d.abs_diff(best) > 1).map(|d| sums[d]).min();
                     if let Some(second) = second {
-                        prop_assert_eq!(i32::from(winners.margin[[y, x]]), second - sums[best]);
+                        prop_assert_eq!(i32::from(margin[[y, x]]), second - sums[best]);
                     }
                     // The pixel x of the other eye is seen from x - dx.
                     let told = (0..shifts).filter_map(|d| {

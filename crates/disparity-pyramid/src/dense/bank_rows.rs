@@ -4,22 +4,13 @@ use v1_gabor::{FilterBank, LumaImage, RowWorkspace, WrongSize};
 ///
 /// Responses of a whole image are 8 bytes a pixel and orientation, and reading them back from memory
 /// takes longer than the filters do; a row stays where it was written.
-#[derive(Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct BankRows {
     workspace: RowWorkspace,
     samples: Vec<f32>,
 }
 
 impl BankRows {
-    /// Room for the rows of this bank.
-    pub(crate) fn of(bank: &FilterBank) -> Self {
-        let parts = 2 * bank.params().orientations;
-        Self {
-            workspace: RowWorkspace::new(),
-            samples: vec![0.0; bank.size().width * parts],
-        }
-    }
-
     /// The responses of row `y`: for each pixel the even parts of all orientations, then the odd
     /// ones. The bank is one that answers by rows, as all of this estimator are.
     ///
@@ -31,6 +22,8 @@ impl BankRows {
         eye: &LumaImage,
         y: usize,
     ) -> Result<&[f32], WrongSize> {
+        let parts = 2 * bank.params().orientations;
+        self.samples.resize(bank.size().width * parts, 0.0);
         let answered = bank.respond_rows_into(eye, y, &mut self.workspace, &mut self.samples)?;
         debug_assert!(answered, "filters of 7 and 11 taps have a pass over rows");
         Ok(&self.samples)

@@ -182,7 +182,8 @@ mod tests {
             let luma = LumaImage::new(luma).unwrap();
             let rgb = Array2::from_shape_simple_fn((height, width), || [(); 3].map(|()| random(23) as u8));
             let view = EyeView { luma: &luma, rgb: Some(rgb.view()) };
-            let guide = Guide::of(&view, colour);
+            let mut guide = Guide::default();
+            guide.take_in(&view, colour);
             let arms = CrossArms::of(&guide);
             for y in 0..height {
                 for x in 0..width {

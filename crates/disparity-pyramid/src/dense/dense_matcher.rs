@@ -5,23 +5,20 @@ use crate::dense::aggregate::{Ground, Winners, aggregate};
 use crate::dense::confidence::{Evidence, confidence};
 use crate::dense::cross_arms::CrossArms;
 use crate::dense::dense_params::{Acuity, BadDenseParam, Cost, DenseParams, LookBack};
+use crate::dense::dense_workspace::{CoarseLook, DenseWorkspace};
 use crate::dense::eye_view::EyeView;
 use crate::dense::fill::fill;
-use crate::dense::guide::Guide;
-use crate::dense::hyperacuity::sharpen;
-use crate::dense::local_range::local_range;
+use crate::dense::fitted::{fit, numbers};
+use crate::dense::hyperacuity::{Gates, sharpen};
 use crate::dense::look_back::look_back;
 use crate::dense::partial_field::PartialField;
-use crate::dense::phase_agreement::{COST_ORIENTATIONS, PhaseAgreement};
-use crate::dense::phase_quadrants::PhaseQuadrants;
+use crate::dense::phase_agreement::COST_ORIENTATIONS;
 use crate::dense::pixel_cost::PixelCost;
 use crate::dense::search_range::SearchRange;
-use crate::dense::search_windows::SearchWindows;
 use crate::dense::slanted_cells::fit_surfaces;
 use crate::dense::step_penalty::StepPenalty;
 use crate::dense::voting::vote;
-use crate::median::median_of_known;
-use crate::speckles::{Patches, reject_speckles};
+use crate::speckles::reject_speckles;
 use crate::{DisparityField, MedianRadius, Validity};
 
 /// The dense epipolar estimator, planned for images of one size: a disparity at every pixel of a
@@ -132,54 +129,120 @@ impl DenseMatcher {
         eyes: &Binocular<EyeView<'_>>,
         search: SearchRange,
     ) -> Result<DisparityField, WrongView> {
+        let mut field = DisparityField::default();
+        self.estimate_into(eyes, search, &mut DenseWorkspace::new(), &mut field)?;
+        Ok(field)
+    }
+
+    /// The same for pair after pair, in buffers that the caller keeps and written over the field of an
+    /// earlier pair: the bits are those of [`estimate`](Self::estimate), a fifth of the time is saved.
+    ///
+    /// # Errors
+    /// [`WrongView`] if a picture has another size than planned; the field stays as it is then.
+    pub fn estimate_into(
+        &self,
+        eyes: &Binocular<EyeView<'_>>,
+        search: SearchRange,
+        workspace: &mut DenseWorkspace,
+        field: &mut DisparityField,
+    ) -> Result<(), WrongView> {
         self.check(eyes)?;
         let search = search.within(self.size.width);
         let lumas = eyes.map(|eye| eye.luma);
-        let coarse = self.look_coarsely(&lumas, search)?;
-        let windows = self.windows(coarse.as_ref(), search);
-        let guides = eyes.map(|eye| Guide::of(&eye, self.params.colour));
-        let penalty = StepPenalty::new(&self.params);
-        let bank = &self.cost_bank;
-        let (winners, other_dx) = match self.params.cost {
-            Cost::PhaseAgreement => {
-                let silent = self.params.silent_energy;
-                let cost = PhaseAgreement::new(bank, lumas, silent, search, penalty.unit)?;
-                self.compete(&cost, &guides, &penalty, search, &windows)
-            }
-            Cost::PhaseQuadrants => {
-                let cost = PhaseQuadrants::new(bank, lumas, search, penalty.unit)?;
-                self.compete(&cost, &guides, &penalty, search, &windows)
-            }
-        };
-        let Winners { dx, margin, .. } = winners;
-        let validity = self.judge(&dx, &margin, &other_dx, search);
-        drop(other_dx);
-        let PartialField {
-            mut dx, validity, ..
-        } = self.complete(dx, validity, &guides.left, search);
+        self.find(
+            eyes,
+            search,
+            workspace,
+            (&mut field.dx, &mut field.validity),
+        )?;
 
-        let ranges = local_range(dx.view());
-        let steady = validity.mapv(Validity::is_valid);
-        let banks: Vec<&FilterBank> = match self.params.acuity {
-            Acuity::Parabola => Vec::new(),
-            Acuity::CostBank => vec![&self.cost_bank],
-            Acuity::TwoBanks => self.acuity_banks.iter().collect(),
+        let DenseWorkspace {
+            guides,
+            margin,
+            ranges,
+            acuity,
+            coherence,
+            ..
+        } = workspace;
+        let ranges = ranges.of(field.dx.view());
+        let banks: &[FilterBank] = match self.params.acuity {
+            Acuity::Parabola => &[],
+            Acuity::CostBank => std::slice::from_ref(&self.cost_bank),
+            Acuity::TwoBanks => &self.acuity_banks,
         };
-        let coherence = if banks.is_empty() {
-            Array2::zeros(dx.dim())
+        fit(coherence, self.size, 0.0);
+        if banks.is_empty() {
+            coherence.fill(0.0);
         } else {
-            sharpen(&mut dx, &banks, lumas, ranges.view(), steady.view())?
-        };
-        let moved = self.smooth_surfaces(&mut dx, &steady, &coherence, &guides.left);
-        let confidence = confidence(Evidence {
-            validity: validity.view(),
+            let gates = Gates {
+                ranges,
+                validity: field.validity.view(),
+            };
+            let room = (&mut *coherence, acuity);
+            sharpen(&mut field.dx, banks, lumas, gates, room)?;
+        }
+        let surfaces = self.params.surface_radius > 0;
+        let moved = surfaces.then(|| {
+            let trust = trust(&field.validity, coherence);
+            let radius = self.params.surface_radius;
+            fit_surfaces(&mut field.dx, trust.view(), &guides.left, radius)
+        });
+        fit(&mut field.confidence, self.size, 0.0);
+        let evidence = Evidence {
+            validity: field.validity.view(),
             coherence: coherence.view(),
             margin: margin.view(),
-            range: ranges.view(),
-            moved: moved.view(),
-        });
-        let dy = Array2::zeros(dx.dim());
-        Ok(DisparityField::trusted(dx, dy, confidence, validity))
+            range: ranges,
+            moved: moved.as_ref().map(|moved| moved.view()),
+        };
+        confidence(evidence, &mut field.confidence);
+        fit(&mut field.dy, self.size, 0.0);
+        field.dy.fill(0.0);
+        field.covariance = None;
+        Ok(())
+    }
+
+    /// A shift for every pixel, before hyperacuity, and which of them are answers.
+    fn find(
+        &self,
+        eyes: &Binocular<EyeView<'_>>,
+        search: SearchRange,
+        workspace: &mut DenseWorkspace,
+        (dx, validity): (&mut Array2<f32>, &mut Array2<Validity>),
+    ) -> Result<(), WrongView> {
+        let lumas = eyes.map(|eye| eye.luma);
+        self.choose_windows(&lumas, search, workspace)?;
+        let colour = self.params.colour;
+        workspace.guides.left.take_in(&eyes.left, colour);
+        if self.params.look_back == LookBack::OwnPaths {
+            workspace.guides.right.take_in(&eyes.right, colour);
+            workspace.guides.right.mirror();
+        }
+        fit(dx, self.size, 0.0);
+        fit(validity, self.size, Validity::NoEnergy);
+        fit(&mut workspace.margin, self.size, 0);
+        fit(&mut workspace.other_dx, self.size, 0.0);
+        let penalty = StepPenalty::new(&self.params);
+        let (bank, unit) = (&self.cost_bank, penalty.unit);
+        match self.params.cost {
+            Cost::PhaseAgreement => {
+                let silent = self.params.silent_energy;
+                let mut cost = std::mem::take(&mut workspace.agreement);
+                let rows = &mut workspace.bank_rows;
+                cost.take_in(bank, lumas, silent, (search, unit), rows)?;
+                self.compete(&mut cost, &penalty, search, workspace, dx);
+                workspace.agreement = cost;
+            }
+            Cost::PhaseQuadrants => {
+                let mut cost = std::mem::take(&mut workspace.quadrants);
+                cost.take_in(bank, lumas, search, unit, &mut workspace.bank_rows)?;
+                self.compete(&mut cost, &penalty, search, workspace, dx);
+                workspace.quadrants = cost;
+            }
+        }
+        self.judge(dx, workspace, search, validity);
+        self.complete((dx, validity), workspace, search);
+        Ok(())
     }
 
     fn check(&self, eyes: &Binocular<EyeView<'_>>) -> Result<(), WrongView> {
@@ -200,66 +263,94 @@ impl DenseMatcher {
         }
     }
 
-    /// What a look at half the size finds, if it is to narrow the search.
-    fn look_coarsely(
+    /// Chooses which shifts are searched where: all, or what lies near those that a look at half the
+    /// size finds.
+    fn choose_windows(
         &self,
         lumas: &Binocular<&LumaImage>,
         search: SearchRange,
-    ) -> Result<Option<DisparityField>, WrongView> {
-        let Some(coarse) = &self.coarse else {
-            return Ok(None);
+        workspace: &mut DenseWorkspace,
+    ) -> Result<(), WrongView> {
+        let (Some(matcher), Some(margin_px)) = (&self.coarse, self.params.narrow_px) else {
+            workspace.windows.take_all(self.size, search);
+            return Ok(());
         };
-        let halves = lumas.map(LumaImage::halved);
-        let views = halves.as_ref().map(EyeView::grey);
-        Ok(Some(coarse.estimate(&views, search.halved())?))
-    }
-
-    /// Which shifts are searched where: all, or what lies near those that the coarse look found.
-    fn windows(&self, coarse: Option<&DisparityField>, search: SearchRange) -> SearchWindows {
-        match (coarse, self.params.narrow_px) {
-            (Some(coarse), Some(margin_px)) => {
-                SearchWindows::around(coarse.dx(), self.size, search, margin_px)
+        let CoarseLook {
+            images,
+            workspace: room,
+            dx,
+            validity,
+        } = &mut **workspace.coarse.get_or_insert_default();
+        let halves = match images {
+            Some(halves) => {
+                lumas.left.halve_into(&mut halves.left);
+                lumas.right.halve_into(&mut halves.right);
+                halves
             }
-            _ => SearchWindows::all(self.size, search),
-        }
+            None => images.insert(lumas.map(LumaImage::halved)),
+        };
+        let views = halves.as_ref().map(EyeView::grey);
+        matcher.find(&views, search.halved(), room, (dx, validity))?;
+        workspace
+            .windows
+            .take_around(dx.view(), self.size, search, margin_px);
+        Ok(())
     }
 
     /// The winning shifts of the left eye, and the right eye's own for the look back.
     fn compete<C: PixelCost>(
         &self,
-        cost: &C,
-        guides: &Binocular<Guide>,
+        cost: &mut C,
         penalty: &StepPenalty,
         search: SearchRange,
-        windows: &SearchWindows,
-    ) -> (Winners, Array2<f32>) {
+        workspace: &mut DenseWorkspace,
+        dx: &mut Array2<f32>,
+    ) {
+        let DenseWorkspace {
+            guides,
+            windows,
+            paths,
+            margin,
+            other_dx,
+            ..
+        } = workspace;
         let ground = Ground {
-            cost,
+            cost: &*cost,
             guide: &guides.left,
             penalty,
             shifts: search.shifts(),
             windows,
         };
         let own_paths = self.params.look_back == LookBack::OwnPaths;
-        let mut winners = aggregate(ground, search, !own_paths);
-        let other_dx = match winners.other_dx.take() {
-            Some(told) => told,
-            None => {
-                // What the coarse look says is said of the left eye's pixels.
-                let ground = Ground {
-                    cost: &cost.seen_by_the_other_eye(),
-                    guide: &guides.right.mirrored(),
-                    windows: &SearchWindows::all(self.size, search),
-                    ..ground
-                };
-                let mut mirrored = aggregate(ground, search, false).dx;
-                for mut row in mirrored.rows_mut() {
-                    row.as_slice_mut().unwrap_or_default().reverse();
-                }
-                mirrored
-            }
+        let winners = Winners {
+            dx,
+            margin,
+            other_dx: (!own_paths).then_some(&mut *other_dx),
         };
-        (winners, other_dx)
+        aggregate(ground, search, paths, winners);
+        if !own_paths {
+            return;
+        }
+        // What the coarse look says is said of the left eye's pixels.
+        windows.take_all(self.size, search);
+        cost.change_eyes();
+        let ground = Ground {
+            cost: &*cost,
+            guide: &guides.right,
+            penalty,
+            shifts: search.shifts(),
+            windows,
+        };
+        let winners = Winners {
+            dx: &mut *other_dx,
+            // Nobody asks how sure the other eye is.
+            margin: &mut Array2::zeros(self.size.dim()),
+            other_dx: None,
+        };
+        aggregate(ground, search, paths, winners);
+        for mut row in other_dx.rows_mut() {
+            row.as_slice_mut().unwrap_or_default().reverse();
+        }
     }
 
     /// Which winners are answers: those that the other eye confirms, in patches of some size. Where
@@ -267,69 +358,58 @@ impl DenseMatcher {
     fn judge(
         &self,
         dx: &Array2<f32>,
-        margin: &Array2<u8>,
-        other_dx: &Array2<f32>,
+        workspace: &mut DenseWorkspace,
         search: SearchRange,
-    ) -> Array2<Validity> {
+        validity: &mut Array2<Validity>,
+    ) {
         let tolerance_px = self.params.left_right_px;
-        let mut validity = look_back(dx.view(), other_dx.view(), tolerance_px, search);
-        Zip::from(&mut validity)
-            .and(margin)
-            .for_each(|validity, margin| {
-                if *margin == 0 {
-                    *validity = Validity::NoEnergy;
-                }
-            });
+        let other_dx = workspace.other_dx.view();
+        look_back(dx.view(), other_dx, tolerance_px, search, validity);
+        let margins = numbers(&mut workspace.margin);
+        for (validity, margin) in numbers(validity).iter_mut().zip(margins) {
+            if *margin == 0 {
+                *validity = Validity::NoEnergy;
+            }
+        }
         let least = self.params.least_patch;
-        reject_speckles(dx.view(), &mut validity, least, &mut Patches::default());
-        validity
+        reject_speckles(dx.view(), validity, least, &mut workspace.patches);
     }
 
     /// A shift for every pixel, from those that are answers.
     fn complete(
         &self,
-        dx: Array2<f32>,
-        validity: Array2<Validity>,
-        guide: &Guide,
+        (dx, validity): (&mut Array2<f32>, &mut Array2<Validity>),
+        workspace: &mut DenseWorkspace,
         search: SearchRange,
-    ) -> PartialField {
-        let mut field = PartialField::new(dx, validity);
+    ) {
+        use std::mem::take;
+        let mut field = PartialField::new(take(dx), take(validity), take(&mut workspace.known));
         if self.params.votes > 0 {
-            let arms = CrossArms::of(guide);
+            let arms = CrossArms::of(&workspace.guides.left);
             for _ in 0..self.params.votes {
                 vote(&mut field, &arms, search);
             }
         }
         // Where nothing at all is known, the shift that says least.
         let otherwise = 0.clamp(search.least_dx(), search.most_dx()) as f32;
-        field.dx = fill(&field, otherwise);
+        fill(&mut field, otherwise, &mut workspace.fill);
         if self.params.median {
-            field.dx = median_of_known(field.dx.view(), MedianRadius::Two);
+            workspace.median.smooth(&mut field.dx, MedianRadius::Two);
         }
-        field
+        (*dx, *validity, workspace.known) = (field.dx, field.validity, field.known);
     }
+}
 
-    /// Fits surface cells; returns how far each shift moved.
-    fn smooth_surfaces(
-        &self,
-        dx: &mut Array2<f32>,
-        steady: &Array2<bool>,
-        coherence: &Array2<f32>,
-        guide: &Guide,
-    ) -> Array2<f32> {
-        /// How much a filled shift counts, against one that is an answer without any coherence.
-        const FILLED: f32 = 0.2;
-        if self.params.surface_radius == 0 {
-            return Array2::zeros(dx.dim());
-        }
-        let trust = Zip::from(steady)
-            .and(coherence)
-            .map_collect(|steady, coherence| {
-                let found = if *steady { 1.0 } else { FILLED };
-                found * (0.5 + 0.5 * coherence.clamp(0.0, 1.0))
-            });
-        fit_surfaces(dx, trust.view(), guide, self.params.surface_radius)
-    }
+/// How much a shift counts where surfaces are fitted.
+fn trust(validity: &Array2<Validity>, coherence: &Array2<f32>) -> Array2<f32> {
+    /// How much a filled shift counts, against one that is an answer without any coherence.
+    const FILLED: f32 = 0.2;
+    Zip::from(validity)
+        .and(coherence)
+        .map_collect(|validity, coherence| {
+            let found = if validity.is_valid() { 1.0 } else { FILLED };
+            found * (0.5 + 0.5 * coherence.clamp(0.0, 1.0))
+        })
 }
 
 impl From<WrongSize> for WrongView {

@@ -1,4 +1,5 @@
-use ndarray::Array2;
+use std::ops::Range;
+
 use pulp::{Arch, NullaryFnOnce};
 
 use crate::dense::partial_field::{PartialField, is_hidden};
@@ -16,27 +17,43 @@ const FARTHEST: usize = 2;
 /// Pixels whose shifts are sorted side by side.
 const LANES: usize = 16;
 
-/// The field with a shift everywhere: a hidden pixel takes what lies behind it on its row, any other
-/// the median of the nearest known shifts in sixteen directions (of two in the middle the farther),
+/// What filling works in, kept from field to field.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct FillRoom {
+    /// What must look around, row by row, and where each row's begin and end.
+    missed: Vec<Missed>,
+    rows: Vec<Range<usize>>,
+    /// What each of them sees below.
+    below: Vec<[f32; ONWARD.len()]>,
+    onward: Onward,
+}
+
+/// Gives every pixel a shift: a hidden one takes what lies behind it on its row, any other the median
+/// of the nearest known shifts in sixteen directions (of two in the middle the farther),
 /// `otherwise` if nothing at all is known there.
 ///
 /// What a pixel sees in a direction is what its neighbour there is or sees. So one walk up the image
 /// and one down tell every pixel, however far it has to look.
-pub(crate) fn fill(field: &PartialField, otherwise: f32) -> Array2<f32> {
+pub(crate) fn fill(field: &mut PartialField, otherwise: f32, room: &mut FillRoom) {
     let (height, width) = field.dx.dim();
-    let mut filled = field.dx.clone();
-    // What must look around, row by row.
-    let mut missed = Vec::new();
-    let mut rows = Vec::with_capacity(height);
-    for (y, mut filled) in filled.rows_mut().into_iter().enumerate() {
-        let validity = field.validity.row(y);
+    let FillRoom {
+        missed,
+        rows,
+        below,
+        onward,
+    } = room;
+    missed.clear();
+    rows.clear();
+    for y in 0..height {
         let first = missed.len();
-        for hole in field.holes(y) {
+        let mut next = 0;
+        while let Some(hole) = field.hole_from(y, next) {
+            next = hole.columns.end;
             let behind = hole.behind();
             let beside = [hole.left, hole.right].map(|dx| dx.unwrap_or(f32::INFINITY));
             for x in hole.columns {
                 match behind {
-                    Some(behind) if is_hidden(validity[x]) => filled[x] = behind,
+                    Some(behind) if is_hidden(field.validity[[y, x]]) => field.dx[[y, x]] = behind,
                     _ => missed.push(Missed { x, beside }),
                 }
             }
@@ -44,18 +61,18 @@ pub(crate) fn fill(field: &PartialField, otherwise: f32) -> Array2<f32> {
         rows.push(first..missed.len());
     }
 
-    let mut below = vec![[f32::INFINITY; ONWARD.len()]; missed.len()];
-    let mut onward = Onward::new(width);
+    below.resize(missed.len(), [f32::INFINITY; ONWARD.len()]);
+    onward.begin(width);
     for (y, row) in rows.iter().enumerate().rev() {
         for (below, missed) in below[row.clone()].iter_mut().zip(&missed[row.clone()]) {
             *below = onward.seen_from(missed.x);
         }
         onward.pass(field, y);
     }
-    let mut onward = Onward::new(width);
-    for (y, row) in rows.into_iter().enumerate() {
+    onward.begin(width);
+    for (y, row) in rows.iter().enumerate() {
         let below = below[row.clone()].chunks(LANES);
-        for (missed, below) in missed[row].chunks(LANES).zip(below) {
+        for (missed, below) in missed[row.clone()].chunks(LANES).zip(below) {
             let mut around = [[f32::INFINITY; DIRECTIONS]; LANES];
             for (around, (missed, below)) in around.iter_mut().zip(missed.iter().zip(below)) {
                 around[..2].copy_from_slice(&missed.beside);
@@ -63,12 +80,11 @@ pub(crate) fn fill(field: &PartialField, otherwise: f32) -> Array2<f32> {
                 around[9..].copy_from_slice(below);
             }
             for (missed, median) in missed.iter().zip(medians(&around)) {
-                filled[[y, missed.x]] = median.unwrap_or(otherwise);
+                field.dx[[y, missed.x]] = median.unwrap_or(otherwise);
             }
         }
         onward.pass(field, y);
     }
-    filled
 }
 
 /// A pixel that must look around, and the nearest known shifts to its left and right, infinite where
@@ -81,6 +97,7 @@ struct Missed {
 
 /// What is nearest in each direction that leads back to the rows walked over, from each pixel of
 /// the last of them, itself included: infinite where nothing is known.
+#[derive(Clone, Debug, Default)]
 struct Onward {
     /// For each direction the last rows, the latest first, between columns that know nothing.
     rows: [[Vec<f32>; FARTHEST]; ONWARD.len()],
@@ -90,12 +107,13 @@ struct Onward {
 }
 
 impl Onward {
-    fn new(width: usize) -> Self {
-        let row = || vec![f32::INFINITY; width + 2 * FARTHEST];
-        Self {
-            rows: std::array::from_fn(|_| [row(), row()]),
-            spare: row(),
-            own: vec![f32::INFINITY; width],
+    /// Before the first row, where nothing is seen.
+    fn begin(&mut self, width: usize) {
+        self.own.resize(width, 0.0);
+        let rows = self.rows.iter_mut().flatten();
+        for row in rows.chain(std::iter::once(&mut self.spare)) {
+            row.clear();
+            row.resize(width + 2 * FARTHEST, f32::INFINITY);
         }
     }
 
@@ -234,9 +252,10 @@ mod tests {
             let validity = Array2::from_shape_simple_fn((height, width), || {
                 if random(8) < holes { Validity::Inconsistent } else { Validity::Valid }
             });
-            let field = PartialField::new(dx, validity);
-            let filled = fill(&field, 7.0);
-            for ((y, x), dx) in filled.indexed_iter() {
+            let field = PartialField::new(dx, validity, Array2::default((0, 0)));
+            let mut filled = field.clone();
+            fill(&mut filled, 7.0, &mut FillRoom::default());
+            for ((y, x), dx) in filled.dx.indexed_iter() {
                 let want = if field.known[[y, x]] {
                     field.dx[[y, x]]
                 } else {
@@ -302,18 +321,20 @@ mod tests {
         let mut validity = Array2::from_elem((5, 9), Validity::Valid);
         validity[[2, 4]] = Validity::Occluded;
         validity[[2, 6]] = Validity::Inconsistent;
-        let mut field = PartialField::new(dx, validity);
+        let mut field = PartialField::new(dx, validity, Array2::default((0, 0)));
         field.dx[[2, 4]] = 99.0;
         field.dx[[2, 6]] = 99.0;
-        let filled = fill(&field, 0.0);
-        assert_eq!((filled[[2, 4]], filled[[2, 6]]), (-2.0, -7.0));
-        assert_eq!(filled[[0, 4]], -7.0);
+        fill(&mut field, 0.0, &mut FillRoom::default());
+        assert_eq!((field.dx[[2, 4]], field.dx[[2, 6]]), (-2.0, -7.0));
+        assert_eq!(field.dx[[0, 4]], -7.0);
     }
 
     #[test]
     fn where_nothing_is_known_there_is_a_last_word() {
         let nothing = Array2::from_elem((3, 4), Validity::NoEnergy);
-        let field = PartialField::new(Array2::from_elem((3, 4), -5.0), nothing);
-        assert!(fill(&field, -1.0).iter().all(|dx| *dx == -1.0));
+        let guess = Array2::from_elem((3, 4), -5.0);
+        let mut field = PartialField::new(guess, nothing, Array2::default((0, 0)));
+        fill(&mut field, -1.0, &mut FillRoom::default());
+        assert!(field.dx.iter().all(|dx| *dx == -1.0));
     }
 }

@@ -1,7 +1,10 @@
+use pulp::{Arch, NullaryFnOnce};
+use rayon::prelude::*;
+
 use crate::dense::EyeView;
 
 /// The picture that says where surfaces end: one channel or three, 8 bits each, channel by channel.
-#[derive(Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Guide {
     width: usize,
     height: usize,
@@ -13,55 +16,78 @@ pub(crate) struct Guide {
     below: Vec<u8>,
 }
 
+/// A row of lumas in 256 steps from 0 to 1.
+struct Greys<'a> {
+    luma: &'a [f32],
+    plane: &'a mut [u8],
+}
+
+impl NullaryFnOnce for Greys<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        for (grey, luma) in self.plane.iter_mut().zip(self.luma) {
+            // Half a step more rounds, as what is below nothing becomes nothing.
+            *grey = (luma * 255.0 + 0.5) as u8;
+        }
+    }
+}
+
 impl Guide {
-    /// The colours of a view, or its luma in 256 steps from 0 to 1 if it has none or they are not
-    /// asked for.
-    pub(crate) fn of(view: &EyeView<'_>, colour: bool) -> Self {
+    /// Takes in the colours of a view, or its luma in 256 steps from 0 to 1 if it has none or they are
+    /// not asked for.
+    pub(crate) fn take_in(&mut self, view: &EyeView<'_>, colour: bool) {
         let size = view.luma.size();
-        let channels = match view.rgb.filter(|_| colour) {
-            Some(rgb) => (0..3)
-                .map(|channel| rgb.iter().map(|colour| colour[channel]).collect())
-                .collect(),
+        (self.width, self.height) = (size.width, size.height);
+        match view.rgb.filter(|_| colour) {
+            Some(rgb) => {
+                self.channels.resize_with(3, Vec::new);
+                for (channel, plane) in self.channels.iter_mut().enumerate() {
+                    plane.clear();
+                    plane.extend(rgb.iter().map(|colour| colour[channel]));
+                }
+            }
             None => {
-                // Half a step more rounds, as what is below nothing becomes nothing.
-                let grey = |luma: &f32| (luma * 255.0 + 0.5) as u8;
                 let rows = view.luma.plane();
                 let Some(luma) = rows.to_slice() else {
                     unreachable!("a picture is kept in row-major order")
                 };
-                vec![luma.iter().map(grey).collect()]
+                self.channels.resize_with(1, Vec::new);
+                let plane = &mut self.channels[0];
+                plane.resize(luma.len(), 0);
+                plane
+                    .par_chunks_mut(size.width)
+                    .zip(luma.par_chunks(size.width))
+                    .for_each(|(plane, luma)| Arch::new().dispatch(Greys { luma, plane }));
             }
-        };
-        Self::new(size.width, size.height, channels)
+        }
+        self.take_steps();
     }
 
-    fn new(width: usize, height: usize, channels: Vec<Vec<u8>>) -> Self {
-        let area = width * height;
-        let mut beside = steps(&channels, 1);
-        beside.resize(area, 0);
+    /// The steps of colours that are there.
+    fn take_steps(&mut self) {
+        let area = self.width * self.height;
+        steps(&self.channels, 1, &mut self.beside);
+        self.beside.resize(area, 0);
         // The last pixel of a row has no next one.
-        for last in beside.chunks_mut(width).filter_map(<[u8]>::last_mut) {
+        for last in self
+            .beside
+            .chunks_mut(self.width)
+            .filter_map(<[u8]>::last_mut)
+        {
             *last = 0;
         }
-        let mut below = steps(&channels, width);
-        below.resize(area, 0);
-        Self {
-            width,
-            height,
-            channels,
-            beside,
-            below,
-        }
+        steps(&self.channels, self.width, &mut self.below);
+        self.below.resize(area, 0);
     }
 
-    /// The same picture with left and right exchanged.
-    pub(crate) fn mirrored(&self) -> Self {
-        let mirror = |plane: &Vec<u8>| {
-            let rows = plane.chunks(self.width);
-            rows.flat_map(|row| row.iter().rev().copied()).collect()
-        };
-        let channels = self.channels.iter().map(mirror).collect();
-        Self::new(self.width, self.height, channels)
+    /// Exchanges left and right.
+    pub(crate) fn mirror(&mut self) {
+        for plane in &mut self.channels {
+            plane.chunks_mut(self.width).for_each(<[u8]>::reverse);
+        }
+        self.take_steps();
     }
 
     pub(crate) const fn width(&self) -> usize {
@@ -105,23 +131,23 @@ impl Guide {
 }
 
 /// How far each pixel's colour lies from that of the pixel `further` on, as long as there is one.
-fn steps(channels: &[Vec<u8>], further: usize) -> Vec<u8> {
+fn steps(channels: &[Vec<u8>], further: usize, steps: &mut Vec<u8>) {
     let pairs = |plane| {
         let plane: &[u8] = plane;
         plane.iter().zip(plane.get(further..).unwrap_or_default())
     };
+    steps.clear();
     match channels {
-        [grey] => pairs(grey)
-            .map(|(here, there)| here.abs_diff(*there))
-            .collect(),
+        [grey] => steps.extend(pairs(grey).map(|(here, there)| here.abs_diff(*there))),
         [red, green, blue] => {
             let step = |(here, there): (&u8, &u8)| u16::from(here.abs_diff(*there));
             let others = pairs(green).zip(pairs(blue));
-            let steps = pairs(red).zip(others);
+            let colours = pairs(red).zip(others);
             steps
-                .map(|(red, (green, blue))| ((step(red) + step(green) + step(blue)) / 3) as u8)
-                .collect()
+                .extend(colours.map(|(red, (green, blue))| {
+                    ((step(red) + step(green) + step(blue)) / 3) as u8
+                }));
         }
-        _ => Vec::new(),
+        _ => {}
     }
 }

@@ -1,12 +1,16 @@
 use std::f32::consts::FRAC_PI_2;
+use std::ops::Range;
 
 use ndarray::{Array2, ArrayView1, ArrayView2};
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 use v1_gabor::{Binocular, FilterBank, LumaImage, WaveVector, WrongSize};
 
+use crate::Validity;
+use crate::dense::bands::bands;
 use crate::dense::bank_rows::BankRows;
-use crate::dense::nearest::{ROUNDER, nearest};
+use crate::dense::fitted::numbers;
+use crate::dense::nearest::{ROUNDER, nearest, place};
 use crate::phase::{angle, cosine, wrap};
 use crate::vector::{store, vector};
 
@@ -33,7 +37,8 @@ const MOST_ORIENTATIONS: usize = 8;
 /// At least the lanes of the widest vector there is.
 const MOST_LANES: usize = 16;
 
-/// Both eyes' responses of one bank along a row.
+/// Both eyes' responses of one bank along a row: for each pixel the even parts of all orientations,
+/// then the odd ones.
 #[derive(Clone, Copy, Debug)]
 struct Band<'a> {
     eyes: Binocular<&'a [f32]>,
@@ -41,49 +46,52 @@ struct Band<'a> {
     waves: &'a [WaveVector],
 }
 
-/// Moves each shift by what the phases still differ there (hyperacuity), and returns how well they
-/// agree, from -1 to 1, 0 where nothing is heard.
+/// Where a shift may move.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Gates<'a> {
+    /// Largest difference of shifts around, in pixels.
+    pub(crate) ranges: ArrayView2<'a, f32>,
+    pub(crate) validity: ArrayView2<'a, Validity>,
+}
+
+/// What reading responses takes, for one band of rows: a pair for each bank.
+pub(crate) type AcuityRoom = Vec<Binocular<BankRows>>;
+
+/// Moves each shift by what the phases still differ there (hyperacuity), and says how well they
+/// agree (`coherence`), from -1 to 1, 0 where nothing is heard.
 ///
 /// With `z = Q_R(x + round dx) conj Q_L(x)` and `ph = arg z + w_x (dx - round dx)` (the phase grows
 /// along x, and the right eye's is read `dx` further on), weights
 /// `W = sqrt|z| (2 |z| / (|Q_L|^2 + |Q_R|^2))^2` for the energy and the balance of both eyes, the
-/// shift still to add is `-sum W w_x ph / sum W w_x^2`. `steady` says where a shift may move:
-/// without these gates the step hurts at the ends of surfaces.
+/// shift still to add is `-sum W w_x ph / sum W w_x^2`. Only answers move, and only where `gates`
+/// say that one surface is seen: without them the step hurts at the ends of surfaces.
 ///
 /// # Errors
 /// [`WrongSize`] if a bank was planned for other images.
 pub(crate) fn sharpen(
     dx: &mut Array2<f32>,
-    banks: &[&FilterBank],
+    banks: &[FilterBank],
     eyes: Binocular<&LumaImage>,
-    ranges: ArrayView2<'_, f32>,
-    steady: ArrayView2<'_, bool>,
-) -> Result<Array2<f32>, WrongSize> {
-    let mut coherence = Array2::zeros(dx.dim());
-    let width = dx.ncols();
+    gates: Gates<'_>,
+    (coherence, rooms): (&mut Array2<f32>, &mut Vec<AcuityRoom>),
+) -> Result<(), WrongSize> {
+    let (height, width) = dx.dim();
     let waves = banks.iter().map(|bank| bank.params().wave_vectors());
     let waves: Vec<Vec<WaveVector>> = waves.collect();
-    let rows = dx
-        .as_slice_mut()
-        .expect(CONTIGUOUS)
-        .par_chunks_mut(width)
-        .zip(
-            coherence
-                .as_slice_mut()
-                .expect(CONTIGUOUS)
-                .par_chunks_mut(width),
-        );
-    let spaces = || {
-        let spaces = banks.iter().map(|bank| Binocular {
-            left: BankRows::of(bank),
-            right: BankRows::of(bank),
-        });
-        spaces.collect::<Vec<_>>()
-    };
-    rows.enumerate()
-        .try_for_each_init(spaces, |spaces, (y, (dx, coherence))| {
+    let (rooms, of_band) = bands(rooms, height);
+    let bands = numbers(dx)
+        .par_chunks_mut(of_band * width)
+        .zip(numbers(coherence).par_chunks_mut(of_band * width))
+        .zip(rooms)
+        .enumerate();
+    bands.try_for_each(|(band, ((dx, coherence), room))| {
+        room.resize_with(banks.len(), Binocular::default);
+        let rows = dx
+            .chunks_exact_mut(width)
+            .zip(coherence.chunks_exact_mut(width));
+        for (y, (dx, coherence)) in (band * of_band..).zip(rows) {
             let mut bands = Vec::with_capacity(banks.len());
-            for ((bank, waves), space) in banks.iter().zip(&waves).zip(spaces) {
+            for ((bank, waves), space) in banks.iter().zip(&waves).zip(&mut *room) {
                 let eyes = Binocular {
                     left: space.left.row(bank, eyes.left, y)?,
                     right: space.right.row(bank, eyes.right, y)?,
@@ -94,15 +102,13 @@ pub(crate) fn sharpen(
                 bands: &bands,
                 dx,
                 coherence,
-                ranges: ranges.row(y),
-                steady: steady.row(y),
+                ranges: gates.ranges.row(y),
+                validity: gates.validity.row(y),
             });
-            Ok(())
-        })?;
-    Ok(coherence)
+        }
+        Ok(())
+    })
 }
-
-const CONTIGUOUS: &str = "planes are made in row-major order";
 
 /// One row of pixels, of which as many as a vector holds are asked side by side.
 struct Row<'a> {
@@ -110,7 +116,7 @@ struct Row<'a> {
     dx: &'a mut [f32],
     coherence: &'a mut [f32],
     ranges: ArrayView1<'a, f32>,
-    steady: ArrayView1<'a, bool>,
+    validity: ArrayView1<'a, Validity>,
 }
 
 impl WithSimd for Row<'_> {
@@ -118,14 +124,15 @@ impl WithSimd for Row<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let mut place = Block::default();
-        for start in (0..self.dx.len()).step_by(S::F32_LANES) {
-            let end = (start + S::F32_LANES).min(self.dx.len());
-            place.dx = [0.0; MOST_LANES];
-            place.dx[..end - start].copy_from_slice(&self.dx[start..end]);
-            let (steps, agreements) = residual(simd, self.bands, start..end, &mut place);
+        let mut block = Block::default();
+        let width = self.dx.len();
+        for start in (0..width).step_by(S::F32_LANES) {
+            let end = (start + S::F32_LANES).min(width);
+            block.dx = [0.0; MOST_LANES];
+            block.dx[..end - start].copy_from_slice(&self.dx[start..end]);
+            let (steps, agreements) = residual(simd, self.bands, (start..end, width), &mut block);
             for (i, x) in (start..end).enumerate() {
-                let takes = self.steady[x]
+                let takes = self.validity[x].is_valid()
                     && self.ranges[x] < MOST_RANGE_PX
                     && agreements[i] > LEAST_COHERENCE
                     && steps[i].abs() < MOST_STEP_PX;
@@ -161,50 +168,57 @@ impl Default for Block {
     }
 }
 
+impl Block {
+    /// Reads what both eyes say of a few pixels of a row.
+    #[inline(always)]
+    fn read(&mut self, band: &Band<'_>, pixels: &Range<usize>, width: usize) {
+        // Where each shift leads, beyond the end of the row if it is out of view.
+        let mut seen = [usize::MAX; MOST_LANES];
+        for (lane, x) in pixels.clone().enumerate() {
+            seen[lane] = place(x as f32 + nearest(self.dx[lane]));
+        }
+        let Binocular { left, right } = band.eyes;
+        let parts = 2 * band.waves.len();
+        for (lane, x) in pixels.clone().enumerate() {
+            let own = &left[x * parts..][..parts];
+            // What is out of view answers nothing.
+            let (seen, view) = if seen[lane] < width {
+                (seen[lane], 1.0)
+            } else {
+                (0, 0.0)
+            };
+            let other = &right[seen * parts..][..parts];
+            for part in 0..parts {
+                self.left[part][lane] = own[part];
+                self.right[part][lane] = view * other[part];
+            }
+        }
+    }
+}
+
 /// The shifts that the phases at a few pixels still ask for, and their agreement with them.
 #[inline(always)]
 fn residual<S: Simd>(
     simd: S,
     bands: &[Band<'_>],
-    pixels: std::ops::Range<usize>,
-    place: &mut Block,
+    (pixels, width): (Range<usize>, usize),
+    block: &mut Block,
 ) -> ([f32; MOST_LANES], [f32; MOST_LANES]) {
     let splat = |value| simd.splat_f32s(value);
     let (zero, tiny) = (splat(0.0), splat(f32::MIN_POSITIVE));
-    let dx = vector(simd, &place.dx, 0);
+    let dx = vector(simd, &block.dx, 0);
     let rounder = splat(ROUNDER);
     let whole = simd.sub_f32s(simd.add_f32s(dx, rounder), rounder);
     let beyond = simd.sub_f32s(dx, whole);
     let (mut numerator, mut denominator, mut heard) = (zero, zero, zero);
     let mut channel = 0;
     for band in bands.iter().take(MOST_BANKS) {
-        let Block {
-            dx, left, right, ..
-        } = place;
-        let parts = 2 * band.waves.len();
-        let Binocular {
-            left: own,
-            right: other,
-        } = band.eyes;
-        let width = other.len() / parts;
-        for (lane, x) in pixels.clone().enumerate() {
-            let seen = x as f32 + nearest(dx[lane]);
-            let in_view = seen >= 0.0 && seen < width as f32;
-            let own = &own[x * parts..][..parts];
-            let seen = if in_view { seen as usize } else { 0 };
-            let other = &other[seen * parts..][..parts];
-            // What is out of view answers nothing.
-            let view = f32::from(u8::from(in_view));
-            for part in 0..parts {
-                left[part][lane] = own[part];
-                right[part][lane] = view * other[part];
-            }
-        }
+        block.read(band, &pixels, width);
         for (q, wave) in band.waves.iter().enumerate() {
             let read = |parts: &[[f32; MOST_LANES]], part: usize| vector(simd, &parts[part], 0);
             let odd_part = band.waves.len() + q;
-            let (le, lo) = (read(&place.left, q), read(&place.left, odd_part));
-            let (re, ro) = (read(&place.right, q), read(&place.right, odd_part));
+            let (le, lo) = (read(&block.left, q), read(&block.left, odd_part));
+            let (re, ro) = (read(&block.right, q), read(&block.right, odd_part));
             let two = |a, b, c, d| simd.mul_add_e_f32s(a, b, simd.mul_f32s(c, d));
             let even = two(re, le, ro, lo);
             let odd = simd.sub_f32s(simd.mul_f32s(ro, le), simd.mul_f32s(re, lo));
@@ -222,8 +236,8 @@ fn residual<S: Simd>(
             numerator = simd.mul_add_e_f32s(weighed, phase, numerator);
             denominator = simd.mul_add_e_f32s(weighed, wave_x, denominator);
             heard = simd.add_f32s(heard, weight);
-            store(simd, &mut place.phases[channel], 0, phase);
-            store(simd, &mut place.weights[channel], 0, weight);
+            store(simd, &mut block.phases[channel], 0, phase);
+            store(simd, &mut block.weights[channel], 0, weight);
             channel += 1;
         }
     }
@@ -235,7 +249,7 @@ fn residual<S: Simd>(
     let step = simd.select_f32s(anything, far, zero);
     let mut agreement = zero;
     let waves = bands.iter().take(MOST_BANKS).flat_map(|band| band.waves);
-    for ((phase, weight), wave) in place.phases.iter().zip(&place.weights).zip(waves) {
+    for ((phase, weight), wave) in block.phases.iter().zip(&block.weights).zip(waves) {
         let left_over = simd.mul_add_e_f32s(splat(wave.x), step, vector(simd, phase, 0));
         let agrees = cosine(simd, left_over);
         agreement = simd.mul_add_e_f32s(vector(simd, weight, 0), agrees, agreement);
@@ -256,7 +270,7 @@ mod tests {
 
     /// The step and the coherence at one pixel, by the library's angle, number by number.
     fn plainly(
-        banks: &[&FilterBank],
+        banks: &[FilterBank],
         eyes: Binocular<&LumaImage>,
         (x, y): (usize, usize),
         dx: f32,
@@ -330,19 +344,29 @@ mod tests {
             FilterBank::plan(params, size).unwrap()
         };
         let (four, eight) = (bank(4), bank(8));
-        for banks in [vec![&four], vec![&eight, &four]] {
+        for banks in [vec![four.clone()], vec![eight, four]] {
             // Guesses within half a pixel of the truth, and a hole that may not move.
             let guess = |(y, x): (usize, usize)| -3.2 + 0.45 * ((7 * x + 13 * y) as f32).sin();
             let before = Array2::from_shape_fn(size.dim(), guess);
-            let steady = Array2::from_shape_fn(size.dim(), |(_, x)| x % 7 != 0);
+            let steady = |x: usize| match x % 7 {
+                0 => Validity::Occluded,
+                _ => Validity::Valid,
+            };
+            let validity = Array2::from_shape_fn(size.dim(), |(_, x)| steady(x));
             let ranges = Array2::from_shape_fn(size.dim(), |(y, _)| if y == 5 { 2.0 } else { 0.9 });
             let mut dx = before.clone();
-            let coherence = sharpen(&mut dx, &banks, eyes, ranges.view(), steady.view()).unwrap();
+            let gates = Gates {
+                ranges: ranges.view(),
+                validity: validity.view(),
+            };
+            let mut coherence = Array2::zeros(size.dim());
+            let room = (&mut coherence, &mut Vec::new());
+            sharpen(&mut dx, &banks, eyes, gates, room).unwrap();
             let mut differing = 0;
             for ((y, x), &found) in dx.indexed_iter() {
                 let own = before[[y, x]];
                 let (step, agreement) = plainly(&banks, eyes, (x, y), own);
-                let takes = steady[[y, x]]
+                let takes = validity[[y, x]].is_valid()
                     && ranges[[y, x]] < MOST_RANGE_PX
                     && agreement > f64::from(LEAST_COHERENCE)
                     && step.abs() < f64::from(MOST_STEP_PX);

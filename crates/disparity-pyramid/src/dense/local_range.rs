@@ -1,56 +1,104 @@
 use ndarray::{Array2, ArrayView2};
+use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
+use v1_gabor::Size;
+
+use crate::dense::bands::bands;
+use crate::dense::fitted::{fit, numbers};
 
 /// Pixels on either side that belong to the neighbourhood.
 const REACH: usize = 2;
 
-/// The largest difference between two shifts within 5 x 5 pixels of each pixel: small on one
-/// surface, large at its end.
-pub(crate) fn local_range(dx: ArrayView2<'_, f32>) -> Array2<f32> {
-    let (height, width) = dx.dim();
-    let mut range = Array2::zeros((height, width));
-    let dx = dx.to_slice().expect(CONTIGUOUS);
-    range
-        .as_slice_mut()
-        .expect(CONTIGUOUS)
-        .par_chunks_mut(width)
-        .enumerate()
-        .for_each_init(
-            || {
-                let columns = width + 2 * REACH;
-                let least = vec![f32::INFINITY; columns];
-                (least, vec![f32::NEG_INFINITY; columns], vec![0.0; width])
-            },
-            |(least, most, lowest), (y, range)| {
-                least[REACH..][..width].fill(f32::INFINITY);
-                most[REACH..][..width].fill(f32::NEG_INFINITY);
-                for row in y.saturating_sub(REACH)..=(y + REACH).min(height - 1) {
-                    let columns = least[REACH..].iter_mut().zip(&mut most[REACH..]);
-                    let row = &dx[row * width..(row + 1) * width];
-                    for ((least, most), dx) in columns.zip(row) {
-                        *least = lesser(*least, *dx);
-                        *most = -lesser(-*most, -*dx);
-                    }
-                }
-                lowest.fill(f32::INFINITY);
-                range.fill(f32::NEG_INFINITY);
-                for offset in 0..=2 * REACH {
-                    for (lowest, least) in lowest.iter_mut().zip(&least[offset..]) {
-                        *lowest = lesser(*lowest, *least);
-                    }
-                    for (range, most) in range.iter_mut().zip(&most[offset..]) {
-                        *range = -lesser(-*range, -*most);
-                    }
-                }
-                for (range, lowest) in range.iter_mut().zip(lowest) {
-                    *range -= *lowest;
-                }
-            },
-        );
-    range
+/// How far shifts differ around each pixel, with what it takes to tell.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LocalRange {
+    range: Array2<f32>,
+    rooms: Vec<RowRoom>,
 }
 
-const CONTIGUOUS: &str = "planes are made in row-major order";
+/// The least and the largest shift of each column among a few rows, between columns that know none,
+/// and the least of a few columns.
+#[derive(Clone, Debug, Default)]
+struct RowRoom {
+    least: Vec<f32>,
+    most: Vec<f32>,
+    lowest: Vec<f32>,
+}
+
+impl LocalRange {
+    /// The largest difference between two shifts within 5 x 5 pixels of each pixel: small on one
+    /// surface, large at its end.
+    pub(crate) fn of(&mut self, dx: ArrayView2<'_, f32>) -> ArrayView2<'_, f32> {
+        let (height, width) = dx.dim();
+        fit(&mut self.range, Size::of_dim(dx.dim()), 0.0);
+        let Some(dx) = dx.to_slice() else {
+            unreachable!("planes are made in row-major order")
+        };
+        let (rooms, rows) = bands(&mut self.rooms, height);
+        let bands = numbers(&mut self.range).par_chunks_mut(rows * width);
+        bands
+            .zip(rooms)
+            .enumerate()
+            .for_each(|(band, (range, room))| {
+                for (y, range) in (band * rows..).zip(range.chunks_exact_mut(width)) {
+                    let around = y.saturating_sub(REACH)..(y + REACH + 1).min(height);
+                    let rows = &dx[around.start * width..around.end * width];
+                    Arch::new().dispatch(RangeOfRows { rows, range, room });
+                }
+            });
+        self.range.view()
+    }
+}
+
+/// The ranges of one row, from the rows around it.
+struct RangeOfRows<'a> {
+    rows: &'a [f32],
+    range: &'a mut [f32],
+    room: &'a mut RowRoom,
+}
+
+impl NullaryFnOnce for RangeOfRows<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { rows, range, room } = self;
+        let width = range.len();
+        let RowRoom {
+            least,
+            most,
+            lowest,
+        } = room;
+        for (columns, nothing) in [
+            (&mut *least, f32::INFINITY),
+            (&mut *most, f32::NEG_INFINITY),
+        ] {
+            columns.clear();
+            columns.resize(width + 2 * REACH, nothing);
+        }
+        lowest.clear();
+        lowest.resize(width, f32::INFINITY);
+        for row in rows.chunks_exact(width) {
+            let columns = least[REACH..].iter_mut().zip(&mut most[REACH..]);
+            for ((least, most), dx) in columns.zip(row) {
+                *least = lesser(*least, *dx);
+                *most = -lesser(-*most, -*dx);
+            }
+        }
+        range.fill(f32::NEG_INFINITY);
+        for offset in 0..=2 * REACH {
+            for (lowest, least) in lowest.iter_mut().zip(&least[offset..]) {
+                *lowest = lesser(*lowest, *least);
+            }
+            for (range, most) in range.iter_mut().zip(&most[offset..]) {
+                *range = -lesser(-*range, -*most);
+            }
+        }
+        for (range, lowest) in range.iter_mut().zip(lowest) {
+            *range -= *lowest;
+        }
+    }
+}
 
 /// The lesser of two numbers: one instruction, since no shift is NaN.
 #[inline(always)]
@@ -65,7 +113,7 @@ mod tests {
     #[test]
     fn a_step_is_felt_two_pixels_away() {
         let dx = Array2::from_shape_fn((6, 12), |(_, x)| if x < 6 { -1.0 } else { -4.0 });
-        for ((_, x), range) in local_range(dx.view()).indexed_iter() {
+        for ((_, x), range) in LocalRange::default().of(dx.view()).indexed_iter() {
             assert_eq!(
                 *range,
                 if (4..8).contains(&x) { 3.0 } else { 0.0 },

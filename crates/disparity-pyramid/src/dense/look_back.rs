@@ -1,5 +1,7 @@
-use ndarray::{Array2, ArrayView2, Zip};
+use ndarray::{Array2, ArrayView2};
+use rayon::prelude::*;
 
+use crate::dense::fitted::numbers;
 use crate::dense::nearest::{nearest, place};
 use crate::{SearchRange, Validity};
 
@@ -15,27 +17,26 @@ pub(crate) fn look_back(
     other_dx: ArrayView2<'_, f32>,
     tolerance_px: f32,
     search: SearchRange,
-) -> Array2<Validity> {
-    let mut verdicts = Array2::from_elem(dx.dim(), Validity::Valid);
-    Zip::from(verdicts.rows_mut())
-        .and(dx.rows())
-        .and(other_dx.rows())
-        .par_for_each(|mut verdicts, dx, other_dx| {
-            let (Some(verdicts), Some(dx), Some(other_dx)) =
-                (verdicts.as_slice_mut(), dx.to_slice(), other_dx.to_slice())
-            else {
-                unreachable!("planes are made in row-major order")
-            };
+    verdicts: &mut Array2<Validity>,
+) {
+    let width = dx.ncols();
+    let (Some(dx), Some(other_dx)) = (dx.to_slice(), other_dx.to_slice()) else {
+        unreachable!("planes are made in row-major order")
+    };
+    numbers(verdicts)
+        .par_chunks_exact_mut(width)
+        .zip(dx.par_chunks_exact(width))
+        .zip(other_dx.par_chunks_exact(width))
+        .for_each_init(Vec::new, |claimed, ((verdicts, dx), other_dx)| {
             if judge_row(verdicts, dx, other_dx, tolerance_px) {
-                let claimed = claimed(other_dx, search);
+                claim(other_dx, search, claimed);
                 for (verdict, claimed) in verdicts.iter_mut().zip(claimed) {
-                    if claimed && *verdict == Validity::Occluded {
+                    if *claimed && *verdict == Validity::Occluded {
                         *verdict = Validity::Inconsistent;
                     }
                 }
             }
         });
-    verdicts
 }
 
 /// Which pixels of a row the other eye confirms; what it does not is called occluded. Whether there
@@ -56,14 +57,15 @@ fn judge_row(verdicts: &mut [Validity], dx: &[f32], other_dx: &[f32], tolerance_
 }
 
 /// Which pixels of a row some pixel of the other eye says it sees.
-fn claimed(other_dx: &[f32], search: SearchRange) -> Vec<bool> {
+fn claim(other_dx: &[f32], search: SearchRange, claimed: &mut Vec<bool>) {
     let (least, most) = (search.least_dx() as f32, search.most_dx() as f32);
-    let mut claimed = vec![false; other_dx.len()];
+    claimed.clear();
+    claimed.resize(other_dx.len(), false);
     for (seen, dx) in other_dx.iter().enumerate() {
         // An eye that says nothing, NaN, claims nothing: no comparison below holds.
         let from = seen as f32 - dx;
         let x = nearest(from);
-        let mut claim = |x: f32| {
+        let mut mark = |x: f32| {
             let shift = seen as f32 - x;
             if least <= shift
                 && shift <= most
@@ -72,13 +74,12 @@ fn claimed(other_dx: &[f32], search: SearchRange) -> Vec<bool> {
                 *claimed = true;
             }
         };
-        claim(x);
+        mark(x);
         // Halfway between two pixels both are seen.
         if from - x > 1.0 - AGREES_PX {
-            claim(x + 1.0);
+            mark(x + 1.0);
         } else if x - from > 1.0 - AGREES_PX {
-            claim(x - 1.0);
+            mark(x - 1.0);
         }
     }
-    claimed
 }

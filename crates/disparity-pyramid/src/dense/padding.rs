@@ -3,7 +3,7 @@ use crate::dense::pixel_cost::LANES;
 
 /// How many pixels a row is continued beyond its ends, so that every shift of the search leads to
 /// a stored one, and whole vectors of shifts can be read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Padding {
     before: usize,
     after: usize,

@@ -1,8 +1,10 @@
 use std::ops::Range;
 
-use ndarray::Array2;
+use ndarray::{Array2, Zip};
+use v1_gabor::Size;
 
 use crate::Validity;
+use crate::dense::fitted::fit;
 
 /// Shifts on the way to a full field: what was found, and what of it counts as known.
 #[derive(Clone, Debug)]
@@ -16,31 +18,46 @@ pub(crate) struct PartialField {
 }
 
 impl PartialField {
-    pub(crate) fn new(dx: Array2<f32>, validity: Array2<Validity>) -> Self {
+    /// What is found is known where it is valid; `known` is room for it.
+    pub(crate) fn new(
+        dx: Array2<f32>,
+        validity: Array2<Validity>,
+        mut known: Array2<bool>,
+    ) -> Self {
+        fit(&mut known, Size::of_dim(dx.dim()), false);
+        Zip::from(&mut known)
+            .and(&validity)
+            .for_each(|known, validity| *known = validity.is_valid());
         Self {
-            known: validity.mapv(Validity::is_valid),
             dx,
+            known,
             validity,
         }
     }
 
     /// The runs of a row's pixels that are not known, from left to right.
     pub(crate) fn holes(&self, y: usize) -> impl Iterator<Item = Hole> {
+        let mut next = 0;
+        std::iter::from_fn(move || {
+            let hole = self.hole_from(y, next)?;
+            next = hole.columns.end;
+            Some(hole)
+        })
+    }
+
+    /// The first run of a row's pixels that are not known, from a column on.
+    pub(crate) fn hole_from(&self, y: usize, column: usize) -> Option<Hole> {
         let (dx, known) = (self.dx.row(y), self.known.row(y));
         let (Some(dx), Some(known)) = (dx.to_slice(), known.to_slice()) else {
             unreachable!("planes are made in row-major order")
         };
-        let mut next = 0;
-        std::iter::from_fn(move || {
-            let start = next + known[next..].iter().position(|known| !known)?;
-            let length = known[start..].iter().position(|known| *known);
-            let end = length.map_or(known.len(), |length| start + length);
-            next = end;
-            Some(Hole {
-                columns: start..end,
-                left: start.checked_sub(1).map(|left| dx[left]),
-                right: dx.get(end).copied(),
-            })
+        let start = column + known[column..].iter().position(|known| !known)?;
+        let length = known[start..].iter().position(|known| *known);
+        let end = length.map_or(known.len(), |length| start + length);
+        Some(Hole {
+            columns: start..end,
+            left: start.checked_sub(1).map(|left| dx[left]),
+            right: dx.get(end).copied(),
         })
     }
 }

@@ -3,6 +3,7 @@ use rayon::prelude::*;
 use v1_gabor::{Binocular, FilterBank, LumaImage, WrongSize};
 
 use crate::SearchRange;
+use crate::dense::bands::bands;
 use crate::dense::bank_rows::BankRows;
 use crate::dense::padding::Padding;
 use crate::dense::pixel_cost::{LANES, PixelCost, RowCost};
@@ -24,7 +25,7 @@ const CUT: f32 = 1024.0;
 /// nearly pure phase: a gain or an offset between the cameras drops out. No angle is computed; the
 /// real part of the product is the cosine of the phase difference. Parts are bytes; thirty-two shifts
 /// are compared side by side, and 16-bit integers hold the sums of their products exactly.
-#[derive(Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct PhaseAgreement {
     eyes: Binocular<NormalisedResponses>,
     padding: Padding,
@@ -34,36 +35,37 @@ pub(crate) struct PhaseAgreement {
 
 /// Normalised responses `[[y, orientation, padded x, part]]`, in units of 1 / (2 sqrt(256 unit)), and
 /// [`BIAS`] more.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 struct NormalisedResponses {
     stride: usize,
     parts: Vec<[u8; 2]>,
 }
 
 impl PhaseAgreement {
-    /// What a bank of [`COST_ORIENTATIONS`] orientations says of both eyes. `unit` is what a unit of
-    /// cost is.
+    /// Takes in what a bank of [`COST_ORIENTATIONS`] orientations says of both eyes. `unit` is what a
+    /// unit of cost is.
     ///
     /// # Errors
     /// [`WrongSize`] if the bank was planned for others.
-    pub(crate) fn new(
+    pub(crate) fn take_in(
+        &mut self,
         bank: &FilterBank,
         eyes: Binocular<&LumaImage>,
         silent_energy: f32,
-        search: SearchRange,
-        unit: u8,
-    ) -> Result<Self, WrongSize> {
-        let padding = Padding::of(search);
+        (search, unit): (SearchRange, u8),
+        rooms: &mut Vec<BankRows>,
+    ) -> Result<(), WrongSize> {
+        self.padding = Padding::of(search);
         // The sum over the orientations of the products of full responses is a unit, cut off.
         let full = (f32::from(unit) * CUT / COST_ORIENTATIONS as f32).sqrt();
         // Rounding lengthens a pixel's vector of eight parts by at most half of sqrt 8.
         let longest = (COST_ORIENTATIONS as f32).sqrt() * full + 2.0f32.sqrt();
-        Ok(Self {
-            eyes: eyes
-                .try_map(|eye| NormalisedResponses::of(bank, eye, silent_energy, full, padding))?,
-            padding,
-            most: (longest * longest).ceil() as i16,
-        })
+        self.most = (longest * longest).ceil() as i16;
+        let Binocular { left, right } = &mut self.eyes;
+        for (responses, eye) in [(left, eyes.left), (right, eyes.right)] {
+            responses.take_in(bank, eye, (silent_energy, full), self.padding, rooms)?;
+        }
+        Ok(())
     }
 }
 
@@ -72,41 +74,30 @@ impl PixelCost for PhaseAgreement {
 
     #[inline(always)]
     fn row(&self, y: usize) -> AgreementRow<'_> {
-        let Binocular { left, right } = &self.eyes;
         AgreementRow {
-            left: [
-                left.row(y, 0),
-                left.row(y, 1),
-                left.row(y, 2),
-                left.row(y, 3),
-            ],
-            right: [
-                right.row(y, 0),
-                right.row(y, 1),
-                right.row(y, 2),
-                right.row(y, 3),
-            ],
+            left: self.eyes.left.rows(y),
+            right: self.eyes.right.rows(y),
             padding: self.padding,
             most: self.most,
         }
     }
 
-    fn seen_by_the_other_eye(&self) -> Self {
-        Self {
-            eyes: Binocular {
-                left: self.eyes.right.mirrored(self.padding),
-                right: self.eyes.left.mirrored(self.padding),
-            },
-            ..*self
-        }
+    fn change_eyes(&mut self) {
+        let Binocular { left, right } = &mut self.eyes;
+        std::mem::swap(left, right);
+        left.mirror(self.padding);
+        right.mirror(self.padding);
     }
 }
+
+/// The parts of one eye along a row, by orientation: even and odd, and [`BIAS`] more.
+type RowParts<'a> = [&'a [[u8; 2]]; COST_ORIENTATIONS];
 
 /// Both eyes' parts along one row, orientation by orientation.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AgreementRow<'a> {
-    left: [&'a [[u8; 2]]; COST_ORIENTATIONS],
-    right: [&'a [[u8; 2]]; COST_ORIENTATIONS],
+    left: RowParts<'a>,
+    right: RowParts<'a>,
     padding: Padding,
     most: i16,
 }
@@ -228,23 +219,26 @@ fn byte(value: f32) -> u8 {
 }
 
 impl NormalisedResponses {
-    fn of(
+    fn take_in(
+        &mut self,
         bank: &FilterBank,
         eye: &LumaImage,
-        silent_energy: f32,
-        full: f32,
+        (silent_energy, full): (f32, f32),
         padding: Padding,
-    ) -> Result<Self, WrongSize> {
+        rooms: &mut Vec<BankRows>,
+    ) -> Result<(), WrongSize> {
         let size = bank.size();
         let stride = padding.stride(size.width);
-        let mut parts = vec![[0; 2]; size.height * COST_ORIENTATIONS * stride];
-        let rows = parts.par_chunks_mut(COST_ORIENTATIONS * stride);
-        rows.enumerate().try_for_each_init(
-            || BankRows::of(bank),
-            |space, (y, rows)| {
-                let samples = space.row(bank, eye, y)?.as_chunks().0;
+        let of_row = COST_ORIENTATIONS * stride;
+        self.stride = stride;
+        self.parts.resize(size.height * of_row, [0; 2]);
+        let (rooms, rows) = bands(rooms, size.height);
+        let bands = self.parts.par_chunks_mut(rows * of_row).zip(rooms);
+        bands.enumerate().try_for_each(|(band, (parts, room))| {
+            for (y, parts) in (band * rows..).zip(parts.chunks_exact_mut(of_row)) {
+                let samples = room.row(bank, eye, y)?.as_chunks().0;
                 let own = padding.place(0)..padding.place(size.width);
-                let mut each = rows.chunks_exact_mut(stride);
+                let mut each = parts.chunks_exact_mut(stride);
                 let rows: [&mut [[u8; 2]]; COST_ORIENTATIONS] = std::array::from_fn(|_| {
                     let row: &mut [[u8; 2]] = each.next().unwrap_or_default();
                     row.get_mut(own.clone()).unwrap_or_default()
@@ -255,28 +249,28 @@ impl NormalisedResponses {
                     full,
                     rows,
                 });
-                Ok(())
-            },
-        )?;
-        parts
-            .par_chunks_mut(stride)
-            .for_each(|row| padding.replicate(row));
-        Ok(Self { stride, parts })
+                for row in parts.chunks_exact_mut(stride) {
+                    padding.replicate(row);
+                }
+            }
+            Ok(())
+        })
     }
 
-    /// One row of one orientation, padded.
+    /// One row of each orientation, padded.
     #[inline(always)]
-    fn row(&self, y: usize, orientation: usize) -> &[[u8; 2]] {
-        let start = (y * COST_ORIENTATIONS + orientation) * self.stride;
-        &self.parts[start..start + self.stride]
+    fn rows(&self, y: usize) -> RowParts<'_> {
+        let stride = self.stride;
+        let rows = &self.parts[y * COST_ORIENTATIONS * stride..][..COST_ORIENTATIONS * stride];
+        let (first, second) = rows.split_at(2 * stride);
+        let ((a, b), (c, d)) = (first.split_at(stride), second.split_at(stride));
+        [a, b, c, d]
     }
 
-    fn mirrored(&self, padding: Padding) -> Self {
-        let mut mirrored = self.clone();
-        mirrored
-            .parts
+    /// Exchanges left and right.
+    fn mirror(&mut self, padding: Padding) {
+        self.parts
             .par_chunks_mut(self.stride)
             .for_each(|row| padding.mirror(row));
-        mirrored
     }
 }

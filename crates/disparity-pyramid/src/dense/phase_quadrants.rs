@@ -2,6 +2,7 @@ use rayon::prelude::*;
 use v1_gabor::{Binocular, FilterBank, LumaImage, WrongSize};
 
 use crate::SearchRange;
+use crate::dense::bands::bands;
 use crate::dense::bank_rows::BankRows;
 use crate::dense::padding::Padding;
 use crate::dense::phase_agreement::COST_ORIENTATIONS;
@@ -17,7 +18,7 @@ const HALF: u8 = 0b0101_0101;
 /// The Hamming distance of the phases' quadrants: a rough phase agreement from two bytes a pixel.
 ///
 /// An orientation that is silent in either eye says nothing, and costs one bit of its two.
-#[derive(Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct PhaseQuadrants {
     eyes: Binocular<QuadrantCodes>,
     padding: Padding,
@@ -27,7 +28,7 @@ pub(crate) struct PhaseQuadrants {
 
 /// Codes `[[y, padded x]]`: two bits an orientation, the signs of its even and its odd part, and
 /// whether it is heard.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 struct QuadrantCodes {
     stride: usize,
     quadrants: Vec<u8>,
@@ -35,23 +36,24 @@ struct QuadrantCodes {
 }
 
 impl PhaseQuadrants {
-    /// What a bank of [`COST_ORIENTATIONS`] orientations says of both eyes. `unit` is what a unit of
-    /// cost is.
+    /// Takes in what a bank of [`COST_ORIENTATIONS`] orientations says of both eyes. `unit` is what a
+    /// unit of cost is.
     ///
     /// # Errors
     /// [`WrongSize`] if the bank was planned for others.
-    pub(crate) fn new(
+    pub(crate) fn take_in(
+        &mut self,
         bank: &FilterBank,
         eyes: Binocular<&LumaImage>,
         search: SearchRange,
         unit: u8,
-    ) -> Result<Self, WrongSize> {
-        let padding = Padding::of(search);
-        Ok(Self {
-            eyes: eyes.try_map(|eye| QuadrantCodes::of(bank, eye, padding))?,
-            padding,
-            unit,
-        })
+        rooms: &mut Vec<BankRows>,
+    ) -> Result<(), WrongSize> {
+        self.padding = Padding::of(search);
+        self.unit = unit;
+        let Binocular { left, right } = &mut self.eyes;
+        left.take_in(bank, eyes.left, self.padding, rooms)?;
+        right.take_in(bank, eyes.right, self.padding, rooms)
     }
 }
 
@@ -66,14 +68,11 @@ impl PixelCost for PhaseQuadrants {
         }
     }
 
-    fn seen_by_the_other_eye(&self) -> Self {
-        Self {
-            eyes: Binocular {
-                left: self.eyes.right.mirrored(self.padding),
-                right: self.eyes.left.mirrored(self.padding),
-            },
-            ..*self
-        }
+    fn change_eyes(&mut self) {
+        let Binocular { left, right } = &mut self.eyes;
+        std::mem::swap(left, right);
+        left.mirror(self.padding);
+        right.mirror(self.padding);
     }
 }
 
@@ -108,50 +107,57 @@ impl RowCost for QuadrantRow<'_> {
 }
 
 impl QuadrantCodes {
-    fn of(bank: &FilterBank, eye: &LumaImage, padding: Padding) -> Result<Self, WrongSize> {
+    fn take_in(
+        &mut self,
+        bank: &FilterBank,
+        eye: &LumaImage,
+        padding: Padding,
+        rooms: &mut Vec<BankRows>,
+    ) -> Result<(), WrongSize> {
         let size = bank.size();
         let stride = padding.stride(size.width);
-        let mut quadrants = vec![0; size.height * stride];
-        let mut heard = vec![0; size.height * stride];
-        (
-            quadrants.par_chunks_mut(stride),
-            heard.par_chunks_mut(stride),
-        )
-            .into_par_iter()
-            .enumerate()
-            .try_for_each_init(
-                || BankRows::of(bank),
-                |space, (y, (quadrants, heard))| {
-                    let row = space.row(bank, eye, y)?;
-                    for (x, pixel) in row.chunks_exact(2 * COST_ORIENTATIONS).enumerate() {
-                        let place = padding.place(x);
-                        for q in 0..COST_ORIENTATIONS {
-                            let (even, odd) = (pixel[q], pixel[COST_ORIENTATIONS + q]);
-                            let code = u8::from(even > 0.0) | u8::from(odd > 0.0) << 1;
-                            let loud = even * even + odd * odd > HEARD_AMPLITUDE * HEARD_AMPLITUDE;
-                            quadrants[place] |= code << (2 * q);
-                            heard[place] |= (0b11 * u8::from(loud)) << (2 * q);
-                        }
+        self.stride = stride;
+        self.quadrants.resize(size.height * stride, 0);
+        self.heard.resize(size.height * stride, 0);
+        let (rooms, rows) = bands(rooms, size.height);
+        let bands = self
+            .quadrants
+            .par_chunks_mut(rows * stride)
+            .zip(self.heard.par_chunks_mut(rows * stride))
+            .zip(rooms)
+            .enumerate();
+        bands.try_for_each(|(band, ((quadrants, heard), room))| {
+            let codes = quadrants
+                .chunks_exact_mut(stride)
+                .zip(heard.chunks_exact_mut(stride));
+            for (y, (quadrants, heard)) in (band * rows..).zip(codes) {
+                let row = room.row(bank, eye, y)?;
+                for (x, pixel) in row.chunks_exact(2 * COST_ORIENTATIONS).enumerate() {
+                    let (mut quadrant, mut loud) = (0, 0);
+                    for q in 0..COST_ORIENTATIONS {
+                        let (even, odd) = (pixel[q], pixel[COST_ORIENTATIONS + q]);
+                        let code = u8::from(even > 0.0) | u8::from(odd > 0.0) << 1;
+                        let energy = even * even + odd * odd;
+                        let heard = energy > HEARD_AMPLITUDE * HEARD_AMPLITUDE;
+                        quadrant |= code << (2 * q);
+                        loud |= (0b11 * u8::from(heard)) << (2 * q);
                     }
-                    padding.replicate(quadrants);
-                    padding.replicate(heard);
-                    Ok(())
-                },
-            )?;
-        Ok(Self {
-            stride,
-            quadrants,
-            heard,
+                    let place = padding.place(x);
+                    (quadrants[place], heard[place]) = (quadrant, loud);
+                }
+                padding.replicate(quadrants);
+                padding.replicate(heard);
+            }
+            Ok(())
         })
     }
 
-    fn mirrored(&self, padding: Padding) -> Self {
-        let mut mirrored = self.clone();
-        for plane in [&mut mirrored.quadrants, &mut mirrored.heard] {
+    /// Exchanges left and right.
+    fn mirror(&mut self, padding: Padding) {
+        for plane in [&mut self.quadrants, &mut self.heard] {
             plane
                 .par_chunks_mut(self.stride)
                 .for_each(|row| padding.mirror(row));
         }
-        mirrored
     }
 }

@@ -16,9 +16,9 @@ pub(crate) trait PixelCost: Sync {
     /// Row `y` of both eyes.
     fn row(&self, y: usize) -> Self::Row<'_>;
 
-    /// The same cost seen from the other eye, in mirror images: what was searched to the left for
-    /// is again to the left, so the range of shifts stays as it is.
-    fn seen_by_the_other_eye(&self) -> Self;
+    /// Becomes the same cost seen from the other eye, in mirror images: what was searched to the left
+    /// for is again to the left, so the range of shifts stays as it is. Twice is as before.
+    fn change_eyes(&mut self);
 }
 
 /// A [`PixelCost`] along one row.

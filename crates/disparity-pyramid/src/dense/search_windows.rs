@@ -27,7 +27,7 @@ pub(crate) struct Window {
 }
 
 /// Which shifts are searched at each pixel of an image: one window a tile.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct SearchWindows {
     width: usize,
     /// Tiles to a row.
@@ -36,31 +36,37 @@ pub(crate) struct SearchWindows {
     /// How many places the pixels of a row have up to each tile, and altogether.
     starts: Vec<usize>,
     most_places: usize,
+    /// The least and the largest shift that a coarse look has found, tile by tile and, of a few rows
+    /// together, column by column.
+    spans: Vec<(f32, f32)>,
+    least: Vec<f32>,
+    most: Vec<f32>,
 }
 
 impl SearchWindows {
     /// All shifts at every pixel.
-    pub(crate) fn all(size: Size, search: SearchRange) -> Self {
-        let tiles = tiles(size);
+    pub(crate) fn take_all(&mut self, size: Size, search: SearchRange) {
         let window = Window {
             first: 0,
             places: search.shifts().next_multiple_of(LANES),
         };
-        Self::new(size, vec![window; tiles.area()])
+        self.windows.clear();
+        self.windows.resize(tiles(size).area(), window);
+        self.count(size);
     }
 
     /// Around what a look at half the size has found in a tile and close about it: from the
     /// least shift there to the largest, and at least `margin_px` further on either side.
     ///
     /// `coarse_dx` holds the shifts of every second pixel of every second row, in its own pixels.
-    pub(crate) fn around(
+    pub(crate) fn take_around(
+        &mut self,
         coarse_dx: ArrayView2<'_, f32>,
         size: Size,
         search: SearchRange,
         margin_px: u16,
-    ) -> Self {
-        let tiles = tiles(size);
-        let spans = spans(coarse_dx, tiles);
+    ) {
+        self.take_spans(coarse_dx, tiles(size));
         let margin_px = f32::from(margin_px);
         let (least_dx, shifts) = (search.least_dx() as f32, search.shifts());
         let all = shifts.next_multiple_of(LANES);
@@ -77,27 +83,61 @@ impl SearchWindows {
                 places,
             }
         };
-        Self::new(size, spans.iter().map(window).collect())
+        self.windows.clear();
+        self.windows.extend(self.spans.iter().map(window));
+        self.count(size);
     }
 
-    fn new(size: Size, windows: Vec<Window>) -> Self {
-        let columns = tiles(size).width;
-        let mut starts = Vec::with_capacity(windows.len() + windows.len() / columns);
-        for windows in windows.chunks(columns) {
+    /// Counts the places of windows that are there.
+    fn count(&mut self, size: Size) {
+        self.width = size.width;
+        self.columns = tiles(size).width;
+        self.starts.clear();
+        for windows in self.windows.chunks(self.columns) {
             let mut start = 0;
             for (tile, window) in windows.iter().enumerate() {
-                starts.push(start);
+                self.starts.push(start);
                 start += window.places * columns_of(tile, size.width).len();
             }
-            starts.push(start);
+            self.starts.push(start);
         }
-        let most_places = windows.iter().map(|window| window.places).max();
-        Self {
-            width: size.width,
-            columns,
-            windows,
-            starts,
-            most_places: most_places.unwrap_or(LANES),
+        let most_places = self.windows.iter().map(|window| window.places).max();
+        self.most_places = most_places.unwrap_or(LANES);
+    }
+
+    /// The least and the largest shift of each tile and of [`AROUND`] pixels about it, in coarse
+    /// pixels.
+    fn take_spans(&mut self, coarse_dx: ArrayView2<'_, f32>, tiles: Size) {
+        let (height, width) = coarse_dx.dim();
+        let reach = |tile: usize, side: usize, end: usize| {
+            let (first, last) = (tile * side / 2, (tile + 1) * side / 2 + AROUND);
+            first.saturating_sub(AROUND).min(end - 1)..last.min(end)
+        };
+        self.spans.clear();
+        for tile_y in 0..tiles.height {
+            let (least, most) = (&mut self.least, &mut self.most);
+            least.clear();
+            least.resize(width, f32::INFINITY);
+            most.clear();
+            most.resize(width, f32::NEG_INFINITY);
+            for row in coarse_dx
+                .slice(s![reach(tile_y, TILE.height, height), ..])
+                .rows()
+            {
+                for ((least, most), dx) in least.iter_mut().zip(&mut *most).zip(row) {
+                    *least = if *dx < *least { *dx } else { *least };
+                    *most = if *dx > *most { *dx } else { *most };
+                }
+            }
+            for tile_x in 0..tiles.width {
+                let columns = reach(tile_x, TILE.width, width);
+                let least = least[columns.clone()].iter().copied();
+                let most = most[columns].iter().copied();
+                self.spans.push((
+                    least.fold(f32::INFINITY, f32::min),
+                    most.fold(f32::NEG_INFINITY, f32::max),
+                ));
+            }
         }
     }
 
@@ -174,40 +214,6 @@ const fn tiles(size: Size) -> Size {
     }
 }
 
-/// The least and the largest shift of each tile and of [`AROUND`] pixels about it, in coarse pixels.
-fn spans(coarse_dx: ArrayView2<'_, f32>, tiles: Size) -> Vec<(f32, f32)> {
-    let (height, width) = coarse_dx.dim();
-    let reach = |tile: usize, side: usize, end: usize| {
-        let (first, last) = (tile * side / 2, (tile + 1) * side / 2 + AROUND);
-        first.saturating_sub(AROUND).min(end - 1)..last.min(end)
-    };
-    let mut spans = Vec::with_capacity(tiles.area());
-    let (mut least, mut most) = (vec![0.0; width], vec![0.0; width]);
-    for tile_y in 0..tiles.height {
-        least.fill(f32::INFINITY);
-        most.fill(f32::NEG_INFINITY);
-        for row in coarse_dx
-            .slice(s![reach(tile_y, TILE.height, height), ..])
-            .rows()
-        {
-            for ((least, most), dx) in least.iter_mut().zip(&mut most).zip(row) {
-                *least = if *dx < *least { *dx } else { *least };
-                *most = if *dx > *most { *dx } else { *most };
-            }
-        }
-        spans.extend((0..tiles.width).map(|tile_x| {
-            let columns = reach(tile_x, TILE.width, width);
-            let least = least[columns.clone()].iter().copied();
-            let most = most[columns].iter().copied();
-            (
-                least.fold(f32::INFINITY, f32::min),
-                most.fold(f32::NEG_INFINITY, f32::max),
-            )
-        }));
-    }
-    spans
-}
-
 #[cfg(test)]
 mod tests {
     use ndarray::Array2;
@@ -232,7 +238,8 @@ mod tests {
                 state ^= state << 17;
                 (least as f32 + (state >> 20) as f32 % (more as f32 + 1.0)) / 2.0
             });
-            let windows = SearchWindows::around(coarse.view(), size, search, margin);
+            let mut windows = SearchWindows::default();
+            windows.take_around(coarse.view(), size, search, margin);
             let all = search.shifts().next_multiple_of(LANES);
             for y in 0..height {
                 for x in 0..width {
