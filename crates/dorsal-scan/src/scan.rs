@@ -11,14 +11,14 @@ use dorsal::egocentric_depth::{
 };
 use dorsal::v1_gabor::{BadParams, Binocular, FilterBank, GaborParams, LumaImage, NotAnImage};
 use dorsal::{
-    DenseLook, DepthEvidence, Error, Percept, Range, Rows, Search, object_id, observations,
-    sightings,
+    DenseLook, DepthEvidence, Error, Percept, Range, Rows, Search, SeenThings, object_id,
+    observations, sightings,
 };
 use ndarray::{Array2, Array3, Axis};
 use stereo_scenes::{Exposure, Gaze, Head, NoGaze, NoView, Room, View, render};
 
 use crate::asked::{hand, hand_way};
-use crate::attention::{Attention, shows};
+use crate::attention::{Attention, SeenThing, shows};
 use crate::chance::Chance;
 use crate::field::Field;
 use crate::fixation::{Fixation, Why};
@@ -50,7 +50,7 @@ pub struct ScanParams {
 }
 
 impl Default for ScanParams {
-    /// Ten fixations of a head with errors and a camera's noise, squares of free ground of 5 cm.
+    /// Ten fixations of a head with errors and a camera's noise, squares of free ground of 3 cm.
     fn default() -> Self {
         Self {
             fixations: 10,
@@ -66,9 +66,10 @@ impl Default for ScanParams {
             memory: MemoryParams {
                 // A hand that moves things contradicts nothing: what is seen has moved.
                 policy: Policy::Follow,
-                cell_mm: 50,
+                // A ball around a square of 3 cm is asked by hands of 3 cm, and leaves the ground alone.
+                cell_mm: 30,
                 ground_mm: 2000,
-                // A ball of 2.5 cm radius above the stand by 1.5 cm: lower things are noticed as
+                // A ball of 2.7 cm radius above the stand by 1.3 cm: lower things are noticed as
                 // objects or not at all.
                 above_ground_mm: 40,
                 ..MemoryParams::default()
@@ -410,11 +411,16 @@ impl Scan {
         let heading_sigma_rad = errors.encoder_sigma_rad;
         let pose = RobotPose::new(GroundPose::default(), [[0.0; 2]; 2], heading_sigma_rad)?;
         let down_m = self.eyes_above_ground_m();
-        let seen = observations(&egocentric, &names, &rig, down_m);
+        let placed: Vec<&LocatedObject> = observations(&egocentric, &names, &rig, down_m)
+            .zip(&egocentric.objects)
+            .filter(|(seen, object)| is_seen(seen, object))
+            .map(|(_, object)| object)
+            .collect();
+        let things = SeenThings::new(&shown.view.truth.labels, &names, &rig, placed);
         let look = Look {
             time_ms: self.memory.time_ms() + PERIOD_MS,
             pose: PoseKnowledge::Known(pose),
-            observations: seen
+            observations: observations(&egocentric, &names, &rig, down_m)
                 .zip(&egocentric.objects)
                 .filter(|(seen, object)| is_seen(seen, object))
                 .map(|(seen, object)| widened(seen, object, errors.encoder_sigma_rad))
@@ -426,7 +432,8 @@ impl Scan {
             None
         };
         let ground = close.as_ref().unwrap_or(&depth);
-        let evidence = DepthEvidence::new(ground, &rig, down_m, locating.disparity_sigma_px);
+        let evidence =
+            DepthEvidence::new(ground, &rig, down_m, locating.disparity_sigma_px).beside(&things);
         let (changes, refused) = if told {
             match self.memory.observe(&look, &evidence) {
                 Ok(changes) => (changes, None),
@@ -440,6 +447,22 @@ impl Scan {
             let memory = &self.memory;
             let known = |at: [f64; 2]| measured(&evidence, memory, at);
             self.attention.looked(&rig, self.head.size, down_m, known);
+            let placed: Vec<&ObjectId> = look
+                .observations
+                .iter()
+                .map(|seen| &seen.sighting.object)
+                .collect();
+            let labels = &shown.view.truth.labels;
+            let seen = labels.labels().into_iter().map(|label| {
+                let object = object_id(label, &names);
+                SeenThing {
+                    placed: placed.contains(&&object),
+                    foot: foot(labels, label, &rig, down_m),
+                    object,
+                }
+            });
+            let seen: Vec<SeenThing> = seen.collect();
+            self.attention.saw(&seen, shown.fixation.why.aimed_at());
         }
         if let Some(Ok(found)) = &drift {
             self.belief = Some(found.belief);
@@ -529,6 +552,9 @@ fn is_seen(seen: &Observation, object: &LocatedObject) -> bool {
         && object.spread_m <= 2.0 * f64::from(seen.radius_mm) / 1e3
 }
 
+/// How far around a place the ground must be told of for the place to count as measured, in metres.
+const GROUND_M: f64 = 0.025;
+
 /// Whether a look tells something of a place of the ground: that it is free, that something stands
 /// before it, or that a known thing stands on it.
 fn measured(
@@ -541,7 +567,7 @@ fn measured(
         right_m: right,
         forward_m: forward,
         height_m: f64::from(params.above_ground_mm) / 1e3,
-        within_m: f64::from(params.cell_mm) / 2e3,
+        within_m: GROUND_M,
         radius_m: 0.0,
     };
     let told = matches!(evidence.at(place), Evidence::FreeSpace | Evidence::Occluded);
@@ -574,6 +600,32 @@ fn widened(mut seen: Observation, object: &LocatedObject, encoder_sigma_rad: f64
 /// The middle of an object's pixels at the middle of its depths is no point of its surface where that
 /// bends: it lies off the surface's middle by some part of the depths' spread.
 const MIDDLE: f64 = 0.3;
+
+/// Where on the ground the foot of a thing's picture lies, `[right, forward]` of the head in metres: the
+/// lowest pixel of its label. Nothing if that looks to the horizon.
+fn foot(labels: &LabelImage, label: Label, rig: &StereoRig, down_m: f64) -> Option<[f64; 2]> {
+    let plane = labels.plane();
+    let number = label.0.get();
+    let row = plane
+        .outer_iter()
+        .rposition(|row| row.iter().any(|&at| at == number))?;
+    let columns = plane.row(row);
+    let columns: Vec<usize> = (0..columns.len())
+        .filter(|&x| columns[x] == number)
+        .collect();
+    let middle = *columns.get(columns.len() / 2)?;
+    let [near, far] = [1.0, 2.0].map(|depth_m| {
+        let at = rig.back_project((middle as f64, row as f64), depth_m);
+        at.map(|at| rig.to_observer(at))
+    });
+    let (near, far) = (near?, far?);
+    let part = (down_m - near.y_m) / (far.y_m - near.y_m);
+    // Beyond 3 m from the head it is no table's ground.
+    (part.is_finite() && (-1.0..2.0).contains(&part)).then(|| {
+        let along = |near: f64, far: f64| near + part * (far - near);
+        [along(near.x_m, far.x_m), along(near.z_m, far.z_m)]
+    })
+}
 
 /// The labels without those that the edge of the image cuts, and these.
 fn whole(labels: &LabelImage) -> (LabelImage, Vec<Label>) {
