@@ -64,7 +64,8 @@ impl<'a> DepthEvidence<'a> {
     /// The same evidence beside what labels say. A depth on a thing that has no place is believed of
     /// nothing, nor is one that puts a pixel of a placed thing far from its place: such pixels matched by
     /// chance, and would show the ground free on which the thing stands. An object whose middle is seen
-    /// where its remembered place does not reach is [`Evidence::Elsewhere`], and so is one that is not
+    /// where its remembered place does not reach is [`Evidence::Elsewhere`], so is one whose foot is seen to
+    /// stand elsewhere on the ground, and so is one that is not
     /// seen at all while nothing hides its place: unlike free space, that does not ask for surfaces
     /// behind the place, which few are where the place is so unsure that it reaches below the ground.
     #[must_use]
@@ -211,8 +212,20 @@ impl LookEvidence for DepthEvidence<'_> {
             return self.at(place);
         };
         let (centre, within_m) = self.ball(place);
+        let stands_off = || {
+            things
+                .foot(object, self.rig, self.eyes_above_ground_m)
+                .is_some_and(|foot| {
+                    let off = [
+                        foot.right_m - place.right_m,
+                        foot.forward_m - place.forward_m,
+                    ];
+                    foot.is_whole && off[0].hypot(off[1]) > within_m + 3.0 * foot.pixel_m
+                })
+        };
         match things.middle(object) {
             Some(pixel) if self.meets(pixel, centre, within_m).is_none() => Evidence::Elsewhere,
+            Some(_) if stands_off() => Evidence::Elsewhere,
             // It is seen where it may be.
             Some(_) => Evidence::NoEvidence,
             // Nothing stands before the place, and what is seen in it bears another name or none.

@@ -96,5 +96,5 @@ pub use percept::Percept;
 pub use range::Range;
 pub use rectified_eyes::RectifiedEyes;
 pub use remember::Stand;
-pub use seen_things::SeenThings;
+pub use seen_things::{Foot, SeenThings};
 pub use sightings::{Names, object_id, sightings};
