@@ -223,6 +223,21 @@ impl ScanRun {
                 ));
             }
         }
+        let below: Vec<String> = self
+            .rooms
+            .iter()
+            .filter(|room| {
+                let (depth, orientation) = Pairs::from(room.sound).right();
+                room.sound.asked > 0 && depth.min(orientation) < 1.0 - Score::MISCOVERAGE
+            })
+            .map(|room| room.room.to_string())
+            .collect();
+        if !below.is_empty() {
+            missed.push(format!(
+                "more answers lack the truth than may in room {}",
+                below.join(", ")
+            ));
+        }
         let wrong = self.sum(|room| room.clear_wrongly);
         if wrong > 0 {
             missed.push(format!("{wrong} ways are called clear that are not"));

@@ -53,7 +53,7 @@ impl SceneMemory {
     /// its place has been seen free. `None` if an end is unknown in the present frame.
     #[must_use]
     pub fn free_path(&self, from: &Observer, to: &Observer, radius_m: f64) -> Option<FreePath> {
-        let ends = [self.end(from)?, self.end(to)?];
+        let ends = [self.end(from, radius_m)?, self.end(to, radius_m)?];
         let line = [ends[0].at, ends[1].at];
         let at_an_end = |name: &ObjectId| {
             [from, to]
@@ -78,16 +78,16 @@ impl SceneMemory {
         Some(unseen.map_or(FreePath::Clear, |at_m| FreePath::Unknown { at_m }))
     }
 
-    fn end(&self, end: &Observer) -> Option<End> {
+    fn end(&self, end: &Observer, radius_m: f64) -> Option<End> {
         let sigmas = self.params.qualify.sigmas;
         match end {
             Observer::Robot => Some(End {
                 at: [self.robot.pose().x_m(), self.robot.pose().z_m()],
-                own_m: 0.0,
+                own_m: radius_m,
             }),
             Observer::At(pose) => Some(End {
                 at: [pose.x_m(), pose.z_m()],
-                own_m: 0.0,
+                own_m: radius_m,
             }),
             Observer::Object(object) => {
                 let place = self.here(object)?;
@@ -95,19 +95,21 @@ impl SceneMemory {
                 let radius = f64::from(self.objects.get(object)?.radius_mm) / 1e3;
                 Some(End {
                     at: place.position_m(),
-                    own_m: radius + sigmas * (xx + zz).sqrt(),
+                    own_m: radius + sigmas * xx.max(zz).sqrt(),
                 })
             }
         }
     }
 
-    /// The first square of the way that was never seen free. What the traveller covers at either
-    /// end, and the ground of the objects there, need not have been.
+    /// The first square of the way that was never seen free. Where the traveller stands at a place that
+    /// is told, and the ground that the object at an end may cover, need not have been; ground beside
+    /// that object must, for another may stand there.
     fn unseen_square(&self, ends: &[End; 2], radius_m: f64) -> Option<[f64; 2]> {
         let line = [ends[0].at, ends[1].at];
         let side = f64::from(self.params.cell_mm) / 1e3;
         // A square counts where its middle is covered; half its diagonal more reaches its corners.
-        let reach = radius_m + side / 2f64.sqrt();
+        let corner = self.half_diagonal_m();
+        let reach = radius_m + corner;
         let squares = |axis: usize| {
             let low = line[0][axis].min(line[1][axis]) - reach;
             let high = line[0][axis].max(line[1][axis]) + reach;
@@ -117,7 +119,7 @@ impl SceneMemory {
         for column in squares(0) {
             for row in squares(1) {
                 let centre = [self.centre_m(column), self.centre_m(row)];
-                let own = |end: &End| distance(centre, end.at) <= end.own_m + reach;
+                let own = |end: &End| distance(centre, end.at) <= end.own_m + corner;
                 let on_the_way = point_to_line(centre, line) <= reach;
                 if on_the_way && !ends.iter().any(own) && !self.free.contains(&(column, row)) {
                     let away = distance(centre, line[0]);

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 /// Where in its life a remembered object is.
 ///
 /// `Tentative -> Confirmed -> InView | OutOfView | Occluded -> Missing -> Removed`. A sighting leads
-/// back from anywhere; free space seen where the object should be leads on; nothing else does, so
-/// an object that is merely out of view stays as long as the memory.
+/// back from anywhere; free space seen where the object should be leads on, and so does the object seen
+/// elsewhere; nothing else does, so an object that is merely out of view stays as long as the memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Life {
@@ -21,7 +21,7 @@ pub enum Life {
     OutOfView,
     /// Behind something in the last look.
     Occluded,
-    /// Free space is where it should be.
+    /// Free space is where it should be, or it was seen elsewhere, too dimly to say where.
     Missing,
     /// Gone: a tombstone, which keeps the name, the last place and when it was given up.
     Removed,

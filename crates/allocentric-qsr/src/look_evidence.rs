@@ -1,3 +1,5 @@
+use crate::ObjectId;
+
 /// A place in the robot's frame at which a look is asked for evidence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AskedPlace {
@@ -24,6 +26,13 @@ pub enum Evidence {
     Occluded,
     /// No valid depth there: a hole, no texture, seen by one eye only. It says nothing.
     NoEvidence,
+    /// On the lines of sight that meet the place stands a thing that is seen and whose distance is not
+    /// known: it may stand there, so that ground seen free before is so no longer. Of a remembered object
+    /// it says nothing.
+    Taken,
+    /// The object itself is seen, and not there: one look is enough to give its place up. Only
+    /// [`LookEvidence::of`] says so.
+    Elsewhere,
     /// The look does not reach there.
     OutOfView,
 }
@@ -35,6 +44,14 @@ pub enum Evidence {
 pub trait LookEvidence {
     /// What the look shows at this place.
     fn at(&self, place: AskedPlace) -> Evidence;
+
+    /// What the look shows at the remembered place of an object that it has not reported. A look that
+    /// knows objects again where it cannot tell how far they are answers [`Evidence::Elsewhere`]; for
+    /// all others it is what they show at the place.
+    fn of(&self, object: &ObjectId, place: AskedPlace) -> Evidence {
+        let _ = object;
+        self.at(place)
+    }
 }
 
 impl<F: Fn(AskedPlace) -> Evidence> LookEvidence for F {

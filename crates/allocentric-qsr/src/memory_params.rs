@@ -28,8 +28,9 @@ pub struct MemoryParams {
     /// How far around the robot free ground is looked for, in millimetres; 0 keeps none.
     pub ground_mm: u32,
     /// How high above the ground a square is asked whether it is free, in millimetres. The ball
-    /// asked about has half the side of a square for its radius, so that a camera that looks down
-    /// sees the ground behind it; what is lower than that is noticed as an object or not at all.
+    /// asked about holds the square, with nine tenths of its side for a radius, so this must be more,
+    /// for a camera that looks down to see the ground behind it; what is lower than the ball is noticed
+    /// as an object or not at all.
     #[serde(default = "above_ground_mm")]
     pub above_ground_mm: u32,
     /// The most squares kept.
@@ -73,7 +74,7 @@ impl Default for MemoryParams {
     }
 }
 
-/// Two balls of the default size above each other: the lower one touches the ground.
+/// A ball around a square of the default size does not touch the ground.
 const fn above_ground_mm() -> u32 {
     100
 }

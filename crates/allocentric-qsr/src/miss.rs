@@ -31,14 +31,17 @@ impl SceneMemory {
         for name in unseen {
             let answer = self
                 .asked(&name)
-                .map_or(Evidence::OutOfView, |place| evidence.at(place));
+                .map_or(Evidence::OutOfView, |place| evidence.of(&name, place));
             let (missing_after, removed_after) =
                 (self.params.missing_after, self.params.removed_after);
             let Some(kept) = self.objects.get_mut(&name) else {
                 continue;
             };
-            if answer == Evidence::FreeSpace {
-                kept.misses = kept.misses.saturating_add(1);
+            match answer {
+                Evidence::FreeSpace => kept.misses = kept.misses.saturating_add(1),
+                // Nothing is in two places.
+                Evidence::Elsewhere => kept.misses = kept.misses.max(missing_after),
+                _ => {}
             }
             let tentative = kept.life == Life::Tentative;
             let gone = if tentative {
@@ -50,7 +53,10 @@ impl SceneMemory {
                 _ if kept.misses >= gone => Life::Removed,
                 _ if tentative => Life::Tentative,
                 _ if kept.misses >= missing_after => Life::Missing,
-                Evidence::FreeSpace | Evidence::NoEvidence => Life::Confirmed,
+                Evidence::FreeSpace
+                | Evidence::NoEvidence
+                | Evidence::Taken
+                | Evidence::Elsewhere => Life::Confirmed,
                 Evidence::Occluded => Life::Occluded,
                 Evidence::OutOfView => Life::OutOfView,
             };

@@ -64,6 +64,7 @@ impl SceneMemory {
         if !(lost && frame > 0) {
             self.free = ground;
         }
+        self.cover(&changes);
         self.walk(evidence);
         Ok(changes)
     }

@@ -4,11 +4,11 @@
 mod room;
 
 use allocentric_qsr::{
-    AllocentricMap, Answer, BadMemory, BadMemoryParams, BadQuery, BadSighting, Certainty, Change,
-    DepthReference, Evidence, FreePath, GroundPose, Life, Look, LookEvidence, MemoryParams,
-    NoDepth, Observation, Observer, Orientation, OrientationSet, Policy, PoseKnowledge,
-    QualifyParams, QualitativeScene, Query, Refused, RobotPose, SceneMemory, Sighting,
-    Unanswerable,
+    AllocentricMap, Answer, AskedPlace, BadMemory, BadMemoryParams, BadQuery, BadSighting,
+    Certainty, Change, DepthReference, Evidence, FreePath, GroundPose, Life, Look, LookEvidence,
+    MemoryParams, NoDepth, ObjectId, Observation, Observer, Orientation, OrientationSet, Policy,
+    PoseKnowledge, QualifyParams, QualitativeScene, Query, Refused, RobotPose, SceneMemory,
+    Sighting, Unanswerable,
 };
 use proptest::prelude::*;
 use room::{Eye, Room, memory, room};
@@ -136,6 +136,118 @@ fn the_screen_is_remembered_and_avoided() {
         0.05,
     );
     assert!(!matches!(way, Some(FreePath::Blocked { .. })), "{way:?}");
+}
+
+/// A look at a room that says this of the one object, and of one square, and else what the room says.
+struct Knowing<'a> {
+    eye: Eye<'a>,
+    of: Evidence,
+    taken: Option<[f64; 2]>,
+}
+
+impl LookEvidence for Knowing<'_> {
+    fn at(&self, place: AskedPlace) -> Evidence {
+        let at = [place.right_m, place.forward_m];
+        let near = |[x, z]: [f64; 2]| (x - at[0]).hypot(z - at[1]) < 0.1;
+        if self.taken.is_some_and(near) {
+            Evidence::Taken
+        } else {
+            self.eye.at(place)
+        }
+    }
+
+    fn of(&self, _: &ObjectId, _: AskedPlace) -> Evidence {
+        self.of
+    }
+}
+
+/// Nothing is in two places: one look that knows an object elsewhere gives its place up, and a thing of
+/// which nobody knows how far it is gives up the ground it may stand on, until that is seen free.
+#[test]
+fn what_is_seen_elsewhere_is_here_no_longer() {
+    let there = room([("cup", [0.0, 1.0]), ("box", [0.6, 1.0])]);
+    let gone = room([("box", [0.6, 1.0])]);
+    let mut memory = memory(follow());
+    for _ in 0..2 {
+        see(&mut memory, Eye::new(&there, GroundPose::default()));
+    }
+    let at = |x: f64, z: f64| Observer::At(GroundPose::new(x, z, 0.0).unwrap());
+    let way = |memory: &SceneMemory| memory.free_path(&at(-0.25, 0.6), &at(0.25, 0.6), 0.05);
+    assert_eq!(way(&memory), Some(FreePath::Clear));
+    let eye = Eye::new(&gone, GroundPose::default());
+    let knowing = |of, taken| Knowing {
+        eye: Eye::new(&gone, GroundPose::default()),
+        of,
+        taken,
+    };
+    let look = |memory: &mut SceneMemory, evidence: &Knowing<'_>| {
+        let time_ms = memory.time_ms() + 100;
+        memory.observe(&eye.look(time_ms, STILL), evidence).unwrap();
+    };
+    // A thing that is seen where it may be says nothing, however often.
+    for _ in 0..9 {
+        look(&mut memory, &knowing(Evidence::Taken, None));
+        assert_eq!(life(&memory, "cup"), Life::Confirmed);
+    }
+    look(&mut memory, &knowing(Evidence::Elsewhere, Some([0.0, 0.6])));
+    assert_eq!(life(&memory, "cup"), Life::Missing);
+    assert!(matches!(way(&memory), Some(FreePath::Unknown { .. })));
+    look(&mut memory, &knowing(Evidence::NoEvidence, None));
+    assert_eq!(way(&memory), Some(FreePath::Clear));
+    // Seen again, it is believed again, and where it stands now is no free ground.
+    let moved = room([("cup", [0.0, 0.6]), ("box", [0.6, 1.0])]);
+    let mut memory = SceneMemory::from_json(&memory.to_json()).unwrap();
+    let time_ms = memory.time_ms() + 100;
+    let follows = Eye::new(&moved, GroundPose::default()).look(time_ms, STILL);
+    memory.observe(&follows, &NoDepth).unwrap();
+    assert_eq!(
+        way(&memory),
+        Some(FreePath::Blocked {
+            by: vec!["cup".into()]
+        })
+    );
+}
+
+proptest! {
+    /// Ground is clear for a traveller only if no thing that the look did not name stands in its way:
+    /// a look that shows all places free but those where lines of sight meet a body, up to one line in
+    /// twenty, calls no way clear that the body reaches into.
+    #[test]
+    fn a_clear_way_is_clear_to_its_edges(
+        x in -0.4..0.4f64, z in 0.6..1.4f64, body_m in 0.02..0.1f64, from in -0.5..0.5f64, to in -0.5..0.5f64,
+    ) {
+        let mut memory = memory(MemoryParams { cell_mm: 30, ground_mm: 2000, ..MemoryParams::default() });
+        let look = Look {
+            time_ms: 1,
+            pose: PoseKnowledge::Known(RobotPose::default()),
+            observations: vec![],
+        };
+        // A disc reaches into another by less than a tenth of its width where a twentieth of it is covered.
+        let evidence = |place: AskedPlace| {
+            let apart = (place.right_m - x).hypot(place.forward_m - z);
+            if apart < body_m + 0.8 * place.within_m {
+                Evidence::NoEvidence
+            } else {
+                Evidence::FreeSpace
+            }
+        };
+        memory.observe(&look, &evidence).unwrap();
+        let end = |x: f64, z: f64| Observer::At(GroundPose::new(x, z, 0.0).unwrap());
+        let (radius, ends) = (0.03, [[from, 0.4], [to, 1.6]]);
+        let way = memory.free_path(&end(from, 0.4), &end(to, 1.6), radius);
+        let [a, b] = ends;
+        let along = [b[0] - a[0], b[1] - a[1]];
+        let part = ((x - a[0]) * along[0] + (z - a[1]) * along[1]) / (along[0] * along[0] + along[1] * along[1]);
+        let nearest = [a[0] + part * along[0], a[1] + part * along[1]];
+        let clearance = (nearest[0] - x).hypot(nearest[1] - z) - body_m - radius;
+        if clearance < 0.0 {
+            prop_assert!(!matches!(way, Some(FreePath::Clear)), "{clearance}");
+        }
+        // Squares are as fine as this: farther off nothing keeps it from being clear.
+        if clearance > 0.07 {
+            prop_assert_eq!(way, Some(FreePath::Clear));
+        }
+    }
 }
 
 #[test]

@@ -26,6 +26,11 @@ pub enum Why {
         /// One standard error of its place, in metres.
         sigma_m: f64,
     },
+    /// It is seen, and no look has told how far away it is: eyes that fixate it can.
+    Unplaced {
+        /// The object.
+        object: ObjectId,
+    },
     /// Somebody asks for the hand's way to an object, and this piece of it was never seen free.
     OnTheWay {
         /// The object.
@@ -38,6 +43,16 @@ pub enum Why {
         /// Out of view.
         hidden: ObjectId,
     },
+}
+
+impl Why {
+    /// The object that the look is to place, if it is for one.
+    pub(crate) const fn aimed_at(&self) -> Option<&ObjectId> {
+        match self {
+            Self::LeastSure { object, .. } | Self::Unplaced { object } => Some(object),
+            Self::LeastKnown { .. } | Self::OnTheWay { .. } | Self::Without { .. } => None,
+        }
+    }
 }
 
 impl fmt::Display for Why {
@@ -53,6 +68,7 @@ impl fmt::Display for Why {
             Self::LeastSure { object, sigma_m } => {
                 write!(f, "least sure: {object}, within {:.1} cm", 100.0 * sigma_m)
             }
+            Self::Unplaced { object } => write!(f, "seen, but how far: {object}"),
             Self::OnTheWay { to } => write!(f, "asked for: the hand's way to {to}"),
             Self::Without { shown, hidden } => write!(f, "at {shown}, with {hidden} out of view"),
         }

@@ -1,5 +1,8 @@
-use allocentric_qsr::{AskedPlace, Evidence, LookEvidence};
+use allocentric_qsr::{AskedPlace, Evidence, LookEvidence, ObjectId};
 use egocentric_depth::{DepthMap, Eye, Head, Observer, Position, StereoRig};
+
+use crate::SeenThings;
+use crate::seen_things::Meets;
 
 /// Lines of sight along each side of the window that a place is judged by.
 const SAMPLES: usize = 32;
@@ -22,6 +25,8 @@ const STRAY: f64 = 1.0 / 20.0;
 ///   hole that could hide it is there. Where the object has no radius, one line in twenty may be left;
 /// - [`Evidence::Occluded`] where more than half of the lines end in front;
 /// - [`Evidence::OutOfView`] where the point is not in the image;
+/// - [`Evidence::Taken`] where more than one line in twenty meets a thing that is seen and has no place
+///   ([`DepthEvidence::beside`]);
 /// - [`Evidence::NoEvidence`] else: a hole, no texture, one eye only, or a surface in the place
 ///   itself, which may be the object.
 #[derive(Clone, Debug)]
@@ -31,6 +36,7 @@ pub struct DepthEvidence<'a> {
     eye: Eye,
     eyes_above_ground_m: f64,
     disparity_sigma_px: f64,
+    things: Option<&'a SeenThings<'a>>,
 }
 
 impl<'a> DepthEvidence<'a> {
@@ -51,7 +57,45 @@ impl<'a> DepthEvidence<'a> {
             eye: rig.eyes().left,
             eyes_above_ground_m,
             disparity_sigma_px,
+            things: None,
         }
+    }
+
+    /// The same evidence beside what labels say. A depth on a thing that has no place is believed of
+    /// nothing, nor is one that puts a pixel of a placed thing far from its place: such pixels matched by
+    /// chance, and would show the ground free on which the thing stands. An object whose middle is seen
+    /// where its remembered place does not reach is [`Evidence::Elsewhere`], so is one whose foot is seen to
+    /// stand elsewhere on the ground, and so is one that is not
+    /// seen at all while nothing hides its place: unlike free space, that does not ask for surfaces
+    /// behind the place, which few are where the place is so unsure that it reaches below the ground.
+    #[must_use]
+    pub const fn beside(self, things: &'a SeenThings<'a>) -> Self {
+        Self {
+            things: Some(things),
+            ..self
+        }
+    }
+
+    /// The depth at a pixel, NaN where it is not known or not believed, and whether a thing without a
+    /// place is seen there.
+    fn depth_at(&self, x: usize, y: usize) -> (f64, bool) {
+        let z_m = self.depth.at(x, y).map_or(f64::NAN, f64::from);
+        match self.things.map_or(Meets::Ground, |things| things.at(x, y)) {
+            Meets::Unplaced => (f64::NAN, true),
+            Meets::Placed(near, far) if !(near..=far).contains(&z_m) => (f64::NAN, false),
+            Meets::Placed(..) | Meets::Ground => (z_m, false),
+        }
+    }
+
+    /// Where a place lies in the head frame, and how far around it the eye can tell.
+    fn ball(&self, place: AskedPlace) -> (Position<Head>, f64) {
+        let down_m = self.eyes_above_ground_m - place.height_m;
+        let level = Position::<Observer>::new(place.right_m, down_m, place.forward_m);
+        let centre = self.rig.to_head(level);
+        let (fx, fy) = self.eye.intrinsics.focal_px;
+        let [x, y, z] = centre.to_array();
+        let range_m = (x - self.eye.centre.x_m).hypot(y).hypot(z);
+        (centre, place.within_m.max(LEAST_PX * range_m / fx.min(fy)))
     }
 
     /// The window of a ball in the head frame; `None` if the ball reaches beside or behind the eye.
@@ -100,59 +144,126 @@ impl<'a> DepthEvidence<'a> {
             (depth(middle - half), depth(middle + half))
         })
     }
-}
 
-impl LookEvidence for DepthEvidence<'_> {
-    fn at(&self, place: AskedPlace) -> Evidence {
-        let down_m = self.eyes_above_ground_m - place.height_m;
-        let level = Position::<Observer>::new(place.right_m, down_m, place.forward_m);
-        let centre = self.rig.to_head(level);
+    /// What becomes of the lines of sight that meet a place; nothing if its middle is not in the picture.
+    fn lines(&self, place: AskedPlace) -> Option<Lines> {
+        let (centre, within_m) = self.ball(place);
         let size = self.depth.size();
         let (width, height) = (size.width as f64, size.height as f64);
         let in_image = |(u, v): (f64, f64)| {
             (-0.5..=width - 0.5).contains(&u) && (-0.5..=height - 0.5).contains(&v)
         };
         if !self.eye.project(centre).is_some_and(in_image) {
-            return Evidence::OutOfView;
+            return None;
         }
-        let (fx, fy) = self.eye.intrinsics.focal_px;
-        let [x, y, z] = centre.to_array();
-        let range_m = (x - self.eye.centre.x_m).hypot(y).hypot(z);
-        let within_m = place.within_m.max(LEAST_PX * range_m / fx.min(fy));
-        let Some(window) = self.window(centre, within_m) else {
-            return Evidence::NoEvidence;
+        let mut lines = Lines {
+            covered: (place.radius_m / within_m).powi(2),
+            ..Lines::default()
         };
-        let whole = in_image((window.columns.0, window.rows.0))
+        // A ball that reaches beside or behind the eye is met by no line that says anything.
+        let Some(window) = self.window(centre, within_m) else {
+            return Some(lines);
+        };
+        lines.whole = in_image((window.columns.0, window.rows.0))
             && in_image((window.columns.1, window.rows.1));
         // The error of a depth grows with its square along a line of sight.
         let own = self.depth.disparity_sigma_px();
         let relative =
             |sigma_px: f64| 3.0 * self.rig.depth_sigma_m(centre, sigma_px) / centre.z_m.powi(2);
         let of_any = relative(self.disparity_sigma_px);
-        let (mut asked, mut before, mut behind) = (0, 0, 0);
         for y in samples(window.rows, size.height) {
             for x in samples(window.columns, size.width) {
                 let Some((near_m, far_m)) = self.meets((x, y), centre, within_m) else {
                     continue;
                 };
-                asked += 1;
                 // Comparisons with an unknown depth are false.
-                let z_m = self.depth.at(x, y).map_or(f64::NAN, f64::from);
+                let (z_m, unplaced) = self.depth_at(x, y);
                 let relative = own.map_or(of_any, |own| relative(f64::from(own[[y, x]])));
                 let error_m = relative * z_m * z_m;
-                before += u32::from(z_m + error_m < near_m);
-                behind += u32::from(z_m - error_m > far_m);
+                lines.asked += 1.0;
+                lines.hidden += f64::from(u8::from(unplaced));
+                lines.before += f64::from(u8::from(z_m + error_m < near_m));
+                lines.reach += f64::from(u8::from(z_m - error_m > near_m));
+                lines.behind += f64::from(u8::from(z_m - error_m > far_m));
             }
         }
-        let covered = (place.radius_m / within_m).powi(2);
-        let left = f64::from(asked) * STRAY.max(covered / 2.0);
-        if 2 * before > asked {
+        Some(lines)
+    }
+}
+
+impl LookEvidence for DepthEvidence<'_> {
+    fn at(&self, place: AskedPlace) -> Evidence {
+        let Some(lines) = self.lines(place) else {
+            return Evidence::OutOfView;
+        };
+        if 2.0 * lines.before > lines.asked {
             Evidence::Occluded
-        } else if whole && asked > 0 && f64::from(asked - behind) <= left {
+        } else if lines.are_free(lines.behind) {
             Evidence::FreeSpace
+        } else if lines.hidden > lines.asked * STRAY {
+            Evidence::Taken
         } else {
             Evidence::NoEvidence
         }
+    }
+
+    fn of(&self, object: &ObjectId, place: AskedPlace) -> Evidence {
+        let Some(things) = self.things else {
+            return self.at(place);
+        };
+        let (centre, within_m) = self.ball(place);
+        let stands_off = || {
+            things
+                .foot(object, self.rig, self.eyes_above_ground_m)
+                .is_some_and(|foot| {
+                    let off = [
+                        foot.right_m - place.right_m,
+                        foot.forward_m - place.forward_m,
+                    ];
+                    foot.is_whole && off[0].hypot(off[1]) > within_m + 3.0 * foot.pixel_m
+                })
+        };
+        match things.middle(object) {
+            Some(pixel) if self.meets(pixel, centre, within_m).is_none() => Evidence::Elsewhere,
+            Some(_) if stands_off() => Evidence::Elsewhere,
+            // It is seen where it may be.
+            Some(_) => Evidence::NoEvidence,
+            // Nothing stands before the place, and what is seen in it bears another name or none.
+            None if self
+                .lines(place)
+                .is_some_and(|lines| lines.are_free(lines.reach)) =>
+            {
+                Evidence::Elsewhere
+            }
+            None => self.at(place),
+        }
+    }
+}
+
+/// What becomes of the lines of sight that meet a place: how many there are, and for how many something
+/// is known of what they meet.
+#[derive(Clone, Copy, Debug, Default)]
+struct Lines {
+    asked: f64,
+    /// They end in front of the place.
+    before: f64,
+    /// They end in the place, or behind it.
+    reach: f64,
+    /// They end behind the place.
+    behind: f64,
+    /// They meet a thing that has no place.
+    hidden: f64,
+    /// Whether the whole place is in the picture.
+    whole: bool,
+    /// The part of the place that the object asked about would cover.
+    covered: f64,
+}
+
+impl Lines {
+    /// Whether the lines that are not among these are too few to hide the object.
+    fn are_free(&self, these: f64) -> bool {
+        let left = self.asked * STRAY.max(self.covered / 2.0);
+        self.whole && self.asked > 0.0 && self.asked - these <= left
     }
 }
 

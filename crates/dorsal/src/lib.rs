@@ -79,6 +79,7 @@ mod percept;
 mod range;
 mod rectified_eyes;
 mod remember;
+mod seen_things;
 mod sightings;
 
 pub use allocentric_qsr;
@@ -95,4 +96,5 @@ pub use percept::Percept;
 pub use range::Range;
 pub use rectified_eyes::RectifiedEyes;
 pub use remember::Stand;
+pub use seen_things::{Foot, SeenThings};
 pub use sightings::{Names, object_id, sightings};
