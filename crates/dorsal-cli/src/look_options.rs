@@ -49,8 +49,8 @@ pub(crate) struct LookOptions {
     #[arg(long)]
     pub(crate) dense: bool,
 
-    /// The two cameras: rig.toml, Middlebury's calib.txt, Kalibr's camchain, OpenCV's YAML or XML; gives
-    /// depth in metres (see dorsal rig convert)
+    /// The two cameras: rig.toml, Middlebury's calib.txt, Kalibr's camchain, OpenCV's YAML or XML, or a folder
+    /// of ROS's left.yaml and right.yaml; gives depth in metres (see dorsal rig convert)
     #[arg(long, value_name = "RIG.toml", required_if_eq("rectify", "rig"))]
     pub(crate) rig: Option<PathBuf>,
 
