@@ -14,7 +14,7 @@ use crate::outputs::{Outputs, ensure_folder};
 use crate::rig_arguments::{
     CheckArguments, ConvertArguments, RectifyArguments, RigArguments, RigFiles, RigFormat, RigTask,
 };
-use crate::rig_file::{read_rig, read_rigs};
+use crate::rig_file::{read_rig, read_rigs, rig_of_pictures};
 use crate::text_table::TextTable;
 
 /// `dorsal rig`: rigs in other formats, and what they can see.
@@ -269,12 +269,13 @@ fn cameras(rig: &StereoRig, out: &mut dyn Write) -> anyhow::Result<()> {
 
 fn rectify(arguments: &RectifyArguments, out: &mut dyn Write) -> anyhow::Result<()> {
     ensure_folder(&arguments.out)?;
-    let rig = read_rig(&arguments.rig)?;
+    let sized = read_rig(&arguments.rig)?;
     let eyes = picture::read_pair(Binocular {
         left: &arguments.left,
         right: &arguments.right,
     })?;
     let size = eyes.left.size();
+    let rig = rig_of_pictures(&sized, size)?;
     let plan = Rectification::plan(&rig, size)?;
     let maps = plan.maps();
     let mut files = Outputs::default();

@@ -3,13 +3,24 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use dorsal::egocentric_depth::StereoRig;
-use dorsal::v1_gabor::Binocular;
+use dorsal::v1_gabor::{Binocular, Size};
 use stereo_formats::rig_toml::{self, SizedRig};
 use stereo_formats::{kalibr, middlebury_calib, opencv_storage, ros_camera_info};
 
 /// Reads a rig of any format that stands in one file or in a folder of ROS, lengths in metres.
-pub(crate) fn read_rig(path: &Path) -> anyhow::Result<StereoRig> {
-    Ok(read_rigs(&[path.to_owned()], 1.0)?.rig)
+pub(crate) fn read_rig(path: &Path) -> anyhow::Result<SizedRig> {
+    read_rigs(&[path.to_owned()], 1.0)
+}
+
+/// The rig, if it is one of pictures of this size: its focal lengths and principal points count their pixels.
+pub(crate) fn rig_of_pictures(sized: &SizedRig, size: Size) -> anyhow::Result<StereoRig> {
+    match sized.size {
+        Some(said) if said != size => bail!(
+            "the rig is one of pictures of {said} pixels, and these have {size}: give pictures of its size, or \
+             a rig whose focal lengths, principal points and size_px are scaled like them"
+        ),
+        _ => Ok(sized.rig),
+    }
 }
 
 /// Reads a rig of any format, from one file or from the two that ROS and OpenCV's sample write, which for

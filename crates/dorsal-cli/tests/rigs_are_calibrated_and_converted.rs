@@ -165,6 +165,14 @@ fn what_a_file_leaves_out_is_asked_for() {
     // Z^2 / (b f), with focal lengths of 533 and 537 px.
     assert!((per_px_m * 0.12 * 535.0 - 1.0).abs() < 0.01, "{per_px_m}");
 
+    // A rig of other pictures gives wrong metres, so it gives none.
+    let text = fs::read_to_string(pair.path("rig.toml")).expect("a rig");
+    let other = format!("size_px = [64, 48]\n{text}");
+    fs::write(pair.path("other.toml"), other).expect("written");
+    let said = pair.look(&["--rig", "@other.toml"]);
+    assert_eq!(said.code, Some(1), "{}", said.out);
+    assert!(said.err.contains("64 x 48"), "{}", said.err);
+
     // A tilt has no place outside of rig.toml, which is said.
     let convert = [
         "rig",
@@ -175,7 +183,6 @@ fn what_a_file_leaves_out_is_asked_for() {
         "--out",
         "@tilted.xml",
     ];
-    let text = fs::read_to_string(pair.path("rig.toml")).expect("a rig");
     fs::write(
         pair.path("tilted.toml"),
         format!("tilt_deg = -20.0\n{text}"),
@@ -271,13 +278,18 @@ fn rigs_are_converted_and_checked() {
     let nearest = json["reaches"][0]["nearest_m"].as_f64().expect("a number");
     assert!((nearest - 12.0 / 24.0).abs() < 1e-9, "{nearest}");
 
+    // The same eyes before the pictures of another pair.
+    let text = fs::read_to_string(pair.path("ros.toml")).expect("a rig");
+    let unsized_rig = text.replace("size_px = [640, 480]\n", "");
+    assert_ne!(unsized_rig, text);
+    fs::write(pair.path("unsized.toml"), unsized_rig).expect("written");
     let rectify = [
         "rig",
         "rectify",
         "@left.png",
         "@right.png",
         "--rig",
-        "@ros.toml",
+        "@unsized.toml",
         "--out",
         "@flat",
     ];
