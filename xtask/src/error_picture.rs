@@ -29,7 +29,7 @@ pub(crate) fn write(
     let errors_range = ColourRange::new(0.0, HIGHEST_ERROR_PX)?;
     let write = |name: &str, plane: ArrayView2<'_, f32>, range| {
         let painted = colour::paint(plane, range);
-        let with_bar = scale_bar::beneath(painted.view(), range);
+        let with_bar = scale_bar::beneath(painted.view(), range, "px");
         picture::write_rgb(folder.join(name), with_bar.view())
     };
     write("truth.png", truth, range)?;

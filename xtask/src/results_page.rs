@@ -20,6 +20,7 @@ truth above 2 px.
 the answered pixels that err by more than k px, density the part of the mask that is answered.
 - Over the estimated pixels both outputs are the same, and the same as valid over visible; density \
 there is counted in the mask itself.
+- What the errors of the metric pair are in metres, by distance, stands in [depth.md](depth.md#a-real-pair).
 ";
 
 /// The page `docs/results.md`.

@@ -6,6 +6,7 @@ use anyhow::{Context as _, bail, ensure};
 use dorsal::egocentric_depth::StereoRig;
 use dorsal::v1_gabor::Binocular;
 use stereo_formats::picture::Picture;
+use stereo_formats::rig_toml::SizedRig;
 use stereo_formats::ros_camera_info::CameraInfo;
 use stereo_streams::{
     Bag, BagMessage, Side, StampPairs, decode_camera, decode_image, image_stamp_ns, recorded_rig,
@@ -29,7 +30,7 @@ pub(crate) fn bag(arguments: &BagArguments, out: &mut dyn Write) -> anyhow::Resu
     let interruption = Interruption::listen()?;
     let rig = match arguments.options.rig()? {
         Some(rig) => Some(rig),
-        None => cameras(arguments, &console)?,
+        None => cameras(arguments, &console)?.map(|rig| SizedRig { rig, size: None }),
     };
     if rig.is_none() {
         console.note(

@@ -11,7 +11,7 @@ use stereo_formats::rig_toml::{self, SizedRig};
 use crate::calibrate_arguments::CalibrateArguments;
 use crate::console::Console;
 use crate::drift_record::FoundDrift;
-use crate::rig_file::read_rig;
+use crate::rig_file::{read_rig, rig_of_pictures};
 
 /// How many matches a calibration uses: more than a look, which also has other things to do.
 const MATCHES: usize = 20_000;
@@ -20,13 +20,14 @@ const MATCHES: usize = 20_000;
 pub(crate) fn calibrate(arguments: &CalibrateArguments, out: &mut dyn Write) -> anyhow::Result<()> {
     arguments.threads.install()?;
     let console = Console::new(arguments.quiet);
-    let rig = expecting(read_rig(&arguments.rig)?, arguments)?;
+    let sized = read_rig(&arguments.rig)?;
     console.step("reading the pictures");
     let eyes = picture::read_pair(Binocular {
         left: &arguments.left,
         right: &arguments.right,
     })?;
     let size = eyes.left.size();
+    let rig = expecting(rig_of_pictures(&sized, size)?, arguments)?;
 
     console.step("filtering what the eyes see");
     let gabor = GaborParams::default();

@@ -156,7 +156,11 @@ fn add_scene_files<'a>(files: &mut Outputs<'a>, scene: &'a DemoScene, sight: &'a
     files.add("true_disparity.png", || {
         // One range for both pictures, so that equal colours are equal disparities.
         let seen = file_sign::d_of_field(&sight.disparity, false);
-        coloured_png(scene.true_d.view(), ColourRange::covering(seen.view()))
+        coloured_png(
+            scene.true_d.view(),
+            ColourRange::covering(seen.view()),
+            "px",
+        )
     });
 }
 

@@ -151,6 +151,13 @@ impl FoundDrift {
                 100.0 * self.relief
             ));
         }
+        if self.vertical_after_px > MOST_LEFT_PX {
+            warnings.push(format!(
+                "{:.1} px of vertical disparity stay: many matches are false, or the cameras are not those of \
+                 the rig; look at validity.png of dorsal look, and at the lenses of the rig",
+                self.vertical_after_px
+            ));
+        }
         if !self.yaw.told {
             warnings.push(
                 "the images do not tell yaw, which depth hangs on: give the vergence that encoders \
@@ -164,6 +171,9 @@ impl FoundDrift {
         warnings
     }
 }
+
+/// What true matches through known lenses leave stays below this, in pixels of vertical disparity.
+const MOST_LEFT_PX: f64 = 2.0;
 
 /// Why a single plane does not tell all.
 const ONE_PLANE: &str = "it is a single plane, which tells a turn of the eye from a step of it only \

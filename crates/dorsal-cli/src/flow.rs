@@ -137,7 +137,7 @@ fn files<'a>(
     files.add("confidence.pfm", || pfm::encode(field.confidence()));
     files.add("confidence.png", || {
         let whole = ColourRange::new(0.0, 1.0)?;
-        anyhow::Ok(coloured_png(field.confidence(), whole)?)
+        anyhow::Ok(coloured_png(field.confidence(), whole, "")?)
     });
     files.add("validity.png", || validity_png::encode(field.validity()));
     files.add("index.html", page);

@@ -1,6 +1,7 @@
 use std::io::Write;
 use std::path::Path;
 
+use dorsal::egocentric_depth::RelativeOrientation;
 use dorsal::v1_gabor::Binocular;
 use stereo_formats::picture;
 
@@ -22,7 +23,7 @@ use crate::times::Times;
 /// Below this part of valid pixels a disparity field deserves a word.
 const SPARSE: f64 = 0.2;
 
-/// Vertical disparity that a rig may leave before it should be corrected, in pixels.
+/// Vertical disparity that a correction would take away before it is worth the asking, in pixels.
 const MOST_VERTICAL_PX: f64 = 0.2;
 
 /// `dorsal look`: looks at a pair of files, or at all pairs of a folder or a list, and writes what is seen.
@@ -122,13 +123,18 @@ fn look_once(arguments: &LookArguments, right: &Path, out: &mut dyn Write) -> an
         let applied = match drift {
             Ok(_) if options.recalibrate => " (corrected)",
             // Beyond it depth is taken from other pixels than those that belong together.
-            Ok(found) if found.vertical_rms_before_px > MOST_VERTICAL_PX => {
+            Ok(found) if vertical_told_px(found) > MOST_VERTICAL_PX => {
                 " (--recalibrate takes depth without it)"
             }
             _ => "",
         };
         let drift = DriftRecord::of(drift);
         writeln!(out, "drift     {}{applied}", drift.sentence())?;
+    } else if plan.rig.is_some() {
+        writeln!(
+            out,
+            "drift     unknown: who searches along the rows sees no vertical disparity; dorsal calibrate tells it"
+        )?;
     }
     if let Some(segments) = sight.segments() {
         writeln!(out, "objects   {}", segments.sentence())?;
@@ -141,6 +147,13 @@ fn look_once(arguments: &LookArguments, right: &Path, out: &mut dyn Write) -> an
         arguments.out.display()
     )?;
     Ok(())
+}
+
+/// The vertical disparity that the drift explains, root mean square in pixels: what it leaves is noise and
+/// false matches, which no correction takes away.
+fn vertical_told_px(found: &RelativeOrientation) -> f64 {
+    let [before, after] = [found.vertical_rms_before_px, found.vertical_rms_after_px];
+    (before * before - after * after).max(0.0).sqrt()
 }
 
 fn inputs(arguments: &LookArguments, right: &Path) -> Inputs {

@@ -64,13 +64,14 @@ Files written:
   sigma_dx.pfm    one standard deviation of dx, and of dy in sigma_dy.pfm, in pixels; +inf
                   unknown (the vector pyramid's alone)
   sigma.pfm       with --rig: one standard deviation of d as real pairs have it, in pixels, which
-                  depth and objects carry; +inf unknown (the vector pyramid's alone)
+                  depth and objects carry; +inf unknown
   validity.png    255 valid, 200 inconsistent, 150 occluded, 100 out of view, 50 incoherent,
                   25 singular, 0 no energy
   look.json       parameters, densities, times
   index.html      all of it to look at: one page, no network
   with --rig      depth.pfm (metres), depth.png (colours over a scale in metres), depth_mm.png
-                  (16 bits, millimetres, 0 unknown), cloud.ply
+                  (16 bits, millimetres, 0 unknown), cloud.ply (points with the direction their
+                  surface faces, one standard deviation of depth, and colour)
   --recalibrate   rig.fixed.toml
   with --labels   scene.json: objects, egocentric and allocentric relations
   with --segment  the same, label_image.png (what --labels takes) and labels.png (a picture of it)

@@ -38,7 +38,7 @@ pub(crate) fn look_files<'a>(
     files.add("validity.png", || validity_png::encode(field.validity()));
     files.add("disparity.png", move || {
         let d = file_sign::d_of_field(field, dense);
-        coloured_png(d.view(), ColourRange::covering(d.view()))
+        coloured_png(d.view(), ColourRange::covering(d.view()), "px")
     });
     if let (Some(depth), Some(rig)) = (&sight.depth, &sight.rig) {
         files.add("depth.pfm", || pfm::encode(depth.metres()));
@@ -46,7 +46,7 @@ pub(crate) fn look_files<'a>(
             files.add("sigma.pfm", move || pfm::encode(sigma_px));
         }
         files.add("depth.png", || {
-            coloured_png(depth.metres(), ColourRange::covering(depth.metres()))
+            coloured_png(depth.metres(), ColourRange::covering(depth.metres()), "m")
         });
         // What has no code in whole millimetres is unknown there: the PFM has it.
         files.add("depth_mm.png", || {
@@ -98,11 +98,12 @@ pub(crate) fn look_files<'a>(
     files
 }
 
-/// A plane in colours over its scale bar, as a PNG.
+/// A plane in colours over its scale bar with the unit of its numbers, as a PNG.
 pub(crate) fn coloured_png(
     plane: ArrayView2<'_, f32>,
     range: ColourRange,
+    unit: &str,
 ) -> Result<Vec<u8>, NotAPng> {
     let painted = colour::paint(plane, range);
-    picture::encode_rgb(scale_bar::beneath(painted.view(), range).view())
+    picture::encode_rgb(scale_bar::beneath(painted.view(), range, unit).view())
 }

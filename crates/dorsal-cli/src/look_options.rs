@@ -6,11 +6,12 @@ use dorsal::disparity_pyramid::{DenseParams, MatchParams, SearchRange};
 use dorsal::egocentric_depth::{LocateParams, SegmentParams, StereoRig};
 use dorsal::v1_gabor::{GaborParams, Size};
 use dorsal::{DenseLook, Range, Rows, Search};
+use stereo_formats::rig_toml::SizedRig;
 
 use crate::objects::Objects;
 use crate::plan::Plan;
 use crate::reference_system::reference_system;
-use crate::rig_file::read_rig;
+use crate::rig_file::{read_rig, rig_of_pictures};
 
 /// How to look at a pair, whether it comes from two files, a folder, a bag or a stream.
 #[derive(Clone, Debug, Args)]
@@ -49,8 +50,8 @@ pub(crate) struct LookOptions {
     #[arg(long)]
     pub(crate) dense: bool,
 
-    /// The two cameras: rig.toml, Middlebury's calib.txt, Kalibr's camchain, OpenCV's YAML or XML; gives
-    /// depth in metres (see dorsal rig convert)
+    /// The two cameras: rig.toml, Middlebury's calib.txt, Kalibr's camchain, OpenCV's YAML or XML, or a folder
+    /// of ROS's left.yaml and right.yaml; gives depth in metres (see dorsal rig convert)
     #[arg(long, value_name = "RIG.toml", required_if_eq("rectify", "rig"))]
     pub(crate) rig: Option<PathBuf>,
 
@@ -196,7 +197,7 @@ impl LookOptions {
     }
 
     /// The rig that is given, if one is.
-    pub(crate) fn rig(&self) -> anyhow::Result<Option<StereoRig>> {
+    pub(crate) fn rig(&self) -> anyhow::Result<Option<SizedRig>> {
         self.rig.as_deref().map(read_rig).transpose()
     }
 
@@ -204,9 +205,10 @@ impl LookOptions {
     pub(crate) fn plan(
         &self,
         size: Size,
-        rig: Option<StereoRig>,
+        rig: Option<SizedRig>,
         objects: Option<Objects>,
     ) -> anyhow::Result<Plan> {
+        let rig = rig.map(|rig| rig_of_pictures(&rig, size)).transpose()?;
         let gabor = GaborParams::default();
         let scales = match self.range() {
             Range::Given => self.scales.unwrap_or(gabor.scales),

@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use dorsal::allocentric_qsr::RelationRecord;
-use dorsal::egocentric_depth::StereoRig;
 use dorsal::v1_gabor::{Binocular, Size};
 use dorsal::{Names, object_id};
 use serde::Serialize;
 use stereo_formats::picture::Picture;
+use stereo_formats::rig_toml::SizedRig;
 
 use crate::console::Console;
 use crate::drift_record::DriftRecord;
@@ -26,7 +26,7 @@ use crate::times::Times;
 /// Pairs that come one after another, looked at and written as they come.
 pub(crate) struct LookStream<'a> {
     options: &'a LookOptions,
-    rig: Option<StereoRig>,
+    rig: Option<SizedRig>,
     plan: Option<(Size, Plan)>,
     log: Option<LogFile>,
     lines: Option<Lines<'a>>,
@@ -77,7 +77,7 @@ impl<'a> LookStream<'a> {
     /// A stream whose lines go to `out` if that is said, or if nothing is.
     pub(crate) fn begin(
         options: &'a LookOptions,
-        rig: Option<StereoRig>,
+        rig: Option<SizedRig>,
         into: &'a StreamArguments,
         source: Inputs,
         out: &'a mut dyn Write,

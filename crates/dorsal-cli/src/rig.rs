@@ -1,17 +1,20 @@
 use std::io::Write;
 
 use anyhow::ensure;
-use dorsal::egocentric_depth::{Head, Lens, Position, Rectification, StereoRig, resampled_rgb};
+use dorsal::egocentric_depth::{
+    Head, Lens, Position, Rectification, RigDrift, StereoRig, midpoint, resampled_rgb,
+};
 use dorsal::v1_gabor::{Binocular, Size};
 use serde::Serialize;
 use stereo_formats::rig_toml::{self, SizedRig};
 use stereo_formats::{kalibr, middlebury_calib, npy, opencv_storage, picture, ros_camera_info};
 
+use crate::console::Console;
 use crate::outputs::{Outputs, ensure_folder};
 use crate::rig_arguments::{
-    CheckArguments, ConvertArguments, RectifyArguments, RigArguments, RigFormat, RigTask,
+    CheckArguments, ConvertArguments, RectifyArguments, RigArguments, RigFiles, RigFormat, RigTask,
 };
-use crate::rig_file::{read_rig, read_rigs};
+use crate::rig_file::{read_rig, read_rigs, rig_of_pictures};
 use crate::text_table::TextTable;
 
 /// `dorsal rig`: rigs in other formats, and what they can see.
@@ -23,15 +26,32 @@ pub(crate) fn rig(arguments: &RigArguments, out: &mut dyn Write) -> anyhow::Resu
     }
 }
 
-fn convert(arguments: &ConvertArguments, out: &mut dyn Write) -> anyhow::Result<()> {
-    let mut sized = read_rigs(&arguments.files.rig, arguments.files.unit_m)?;
-    if let (Some(said), Some(size)) = (sized.size, arguments.size) {
+/// A baseline that only a length in other units than metres explains, in metres: no head is as wide.
+const MOST_BASELINE_M: f64 = 1.0;
+
+/// The rig and the size of its pictures, which the call may say where the files do not.
+fn read(files: &RigFiles, console: &Console) -> anyhow::Result<SizedRig> {
+    let mut sized = read_rigs(&files.rig, files.unit_m)?;
+    if let (Some(said), Some(size)) = (sized.size, files.size) {
         ensure!(
             said == size,
             "the rig is one of pictures of {said} pixels, not of {size}"
         );
     }
-    sized.size = sized.size.or(arguments.size);
+    sized.size = sized.size.or(files.size);
+    let baseline_m = sized.rig.baseline_m();
+    if baseline_m > MOST_BASELINE_M {
+        console.note(&format!(
+            "the eyes stand {baseline_m:.2} m apart; if the file counts something else than metres, such as \
+             squares of a chessboard, --unit-m says how long one is"
+        ));
+    }
+    Ok(sized)
+}
+
+fn convert(arguments: &ConvertArguments, out: &mut dyn Write) -> anyhow::Result<()> {
+    let console = Console::new(false);
+    let sized = read(&arguments.files, &console)?;
     let to = &arguments.out;
     match arguments.to {
         RigFormat::Rig => rig_toml::write_sized(to, &sized)?,
@@ -52,9 +72,30 @@ fn convert(arguments: &ConvertArguments, out: &mut dyn Write) -> anyhow::Result<
             files.write(to)?;
         }
     }
+    if arguments.to != RigFormat::Rig
+        && let Some(lost) = known_to_toml_alone(&sized.rig)
+    {
+        console.note(&format!(
+            "{lost} has no place in this format and is left out; rig.toml holds it"
+        ));
+    }
     writeln!(out, "written   {}", to.display())?;
     Ok(())
 }
+
+/// What the rig knows that only a `rig.toml` holds.
+fn known_to_toml_alone(rig: &StereoRig) -> Option<&'static str> {
+    match (rig.tilt_rad() != 0.0, rig.sigma() != RigDrift::default()) {
+        (true, true) => Some("the tilt of the head, and what is uncertain of the right eye,"),
+        (true, false) => Some("the tilt of the head"),
+        (false, true) => Some("what is uncertain of the right eye"),
+        (false, false) => None,
+    }
+}
+
+/// How far a depth may come back from its pixels and be the same, as a part of it: a folded lens is off by
+/// far more, rounding by far less.
+const SAME_DEPTH: f64 = 1e-6;
 
 /// Depths at which errors are told, in metres.
 const DEPTHS_M: [f64; 4] = [0.5, 1.0, 2.0, 5.0];
@@ -90,7 +131,14 @@ struct DepthError {
 }
 
 fn check(arguments: &CheckArguments, out: &mut dyn Write) -> anyhow::Result<()> {
-    let sized = read_rigs(&arguments.files.rig, arguments.files.unit_m)?;
+    let console = Console::new(false);
+    let sized = read(&arguments.files, &console)?;
+    if sized.size.is_none() {
+        console.note(
+            "the rig does not say how large its pictures are, so a depth counts as seen wherever it \
+             appears: give --size, or size_px in rig.toml",
+        );
+    }
     let rig = &sized.rig;
     let check = Check::of(rig, sized.size, arguments);
     if arguments.json {
@@ -170,13 +218,22 @@ impl Check {
 }
 
 /// Whether both pictures show a point, as far as their size is known.
+///
+/// Beyond the part of a picture that a lens was measured in, its polynomial folds back and puts a point
+/// where another is seen: the lines of sight of such pixels do not meet in the point.
 fn shown(rig: &StereoRig, size: Option<Size>, point: Position<Head>) -> bool {
-    let (Some(pixels), Some(size)) = (rig.project(point), size) else {
-        return size.is_none();
+    let Some(pixels) = rig.project(point) else {
+        return false;
     };
     let inside = |at: f64, length: usize| (-0.5..=length as f64 - 0.5).contains(&at);
-    let shows = |(x, y): (f64, f64)| inside(x, size.width) && inside(y, size.height);
-    shows(pixels.left) && shows(pixels.right)
+    let shows = |(x, y): (f64, f64)| {
+        size.is_none_or(|size| inside(x, size.width) && inside(y, size.height))
+    };
+    let eyes = rig.eyes();
+    let rays = eyes.left.ray(pixels.left).zip(eyes.right.ray(pixels.right));
+    let back = rays.and_then(|(left, right)| midpoint(Binocular { left, right }));
+    let meets = |back: Position<Head>| (back.z_m - point.z_m).abs() < SAME_DEPTH * point.z_m;
+    shows(pixels.left) && shows(pixels.right) && back.is_some_and(|back| meets(back.position))
 }
 
 /// The two cameras and how they stand, for a person.
@@ -212,12 +269,13 @@ fn cameras(rig: &StereoRig, out: &mut dyn Write) -> anyhow::Result<()> {
 
 fn rectify(arguments: &RectifyArguments, out: &mut dyn Write) -> anyhow::Result<()> {
     ensure_folder(&arguments.out)?;
-    let rig = read_rig(&arguments.rig)?;
+    let sized = read_rig(&arguments.rig)?;
     let eyes = picture::read_pair(Binocular {
         left: &arguments.left,
         right: &arguments.right,
     })?;
     let size = eyes.left.size();
+    let rig = rig_of_pictures(&sized, size)?;
     let plan = Rectification::plan(&rig, size)?;
     let maps = plan.maps();
     let mut files = Outputs::default();

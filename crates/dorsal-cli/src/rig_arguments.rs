@@ -35,14 +35,25 @@ pub(crate) enum RigTask {
 #[derive(Debug, Args)]
 pub(crate) struct RigFiles {
     /// The rig: rig.toml, Middlebury's calib.txt, Kalibr's camchain.yaml, OpenCV's YAML or XML (one file,
-    /// or intrinsics and extrinsics), or ROS camera_info YAML (left, then right)
+    /// or intrinsics and extrinsics), or ROS camera_info YAML (left, then right, or the folder that
+    /// holds left.yaml and right.yaml)
     #[arg(required = true, num_args = 1..=2, value_name = "RIG")]
     pub(crate) rig: Vec<PathBuf>,
 
     /// Length of a unit of OpenCV's translation in metres, such as 0.025 where it counts chessboard
     /// squares of 25 mm
-    #[arg(long, value_name = "M", default_value_t = 1.0, value_parser = metres)]
+    #[arg(
+        long,
+        value_name = "M",
+        default_value_t = 1.0,
+        value_parser = positive,
+        allow_negative_numbers = true
+    )]
     pub(crate) unit_m: f64,
+
+    /// Size of the pictures, where the rig does not say it
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub(crate) size: Option<Size>,
 }
 
 /// What `dorsal rig convert` is asked to do.
@@ -59,10 +70,6 @@ pub(crate) struct ConvertArguments {
     /// Its format
     #[arg(long, value_enum, default_value = "rig")]
     pub(crate) to: RigFormat,
-
-    /// Size of the pictures, where the rig does not say it
-    #[arg(long, value_name = "WxH", value_parser = size)]
-    pub(crate) size: Option<Size>,
 }
 
 /// A format of rigs.
@@ -103,7 +110,13 @@ pub(crate) struct CheckArguments {
     pub(crate) zero_disparity: f64,
 
     /// Error of a disparity in pixels
-    #[arg(long, value_name = "PX", default_value_t = 0.25, value_parser = metres)]
+    #[arg(
+        long,
+        value_name = "PX",
+        default_value_t = 0.25,
+        value_parser = positive,
+        allow_negative_numbers = true
+    )]
     pub(crate) disparity_sigma: f64,
 
     /// Print it as JSON
@@ -131,8 +144,8 @@ pub(crate) struct RectifyArguments {
 }
 
 const CONVERT: &str = "\
-What a format has no place for is left out: only rig.toml holds the tilt of the head, the slip of the
-right eye and what is uncertain.
+What a format has no place for is left out, and said: only rig.toml holds the tilt of the head and what
+is uncertain of it.
 
 Examples:
   dorsal rig convert left.yaml right.yaml --out rig.toml
@@ -141,9 +154,13 @@ Examples:
   dorsal rig convert camchain.yaml --to opencv-xml --out stereo.xml";
 
 const CHECK: &str = "\
+Depths are those straight ahead. A dash is a depth that one eye's picture does not show, or a search that
+reaches none.
+
 Examples:
   dorsal rig check rig.toml
   dorsal rig check camchain.yaml --scales 6 --zero-disparity 40
+  dorsal rig check intrinsics.yml extrinsics.yml --unit-m 0.025 --size 640x480
   dorsal rig check rig.toml --json";
 
 const RECTIFY: &str = "\
@@ -158,7 +175,7 @@ Examples:
   dorsal rig rectify left.png right.png --rig rig.toml --out rectified
   dorsal look rectified/left.png rectified/right.png --rig rectified/rig.toml --out out --estimator dense";
 
-fn metres(text: &str) -> Result<f64, String> {
+fn positive(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(number) if number > 0.0 && number <= f64::MAX => Ok(number),
         _ => Err("a positive, finite number is needed".to_owned()),

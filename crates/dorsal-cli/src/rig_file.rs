@@ -3,23 +3,43 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use dorsal::egocentric_depth::StereoRig;
-use dorsal::v1_gabor::Binocular;
+use dorsal::v1_gabor::{Binocular, Size};
 use stereo_formats::rig_toml::{self, SizedRig};
 use stereo_formats::{kalibr, middlebury_calib, opencv_storage, ros_camera_info};
 
-/// Reads a rig of any format that stands in one file, lengths in metres.
-pub(crate) fn read_rig(path: &Path) -> anyhow::Result<StereoRig> {
-    Ok(read_rigs(&[path.to_owned()], 1.0)?.rig)
+/// Reads a rig of any format that stands in one file or in a folder of ROS, lengths in metres.
+pub(crate) fn read_rig(path: &Path) -> anyhow::Result<SizedRig> {
+    read_rigs(&[path.to_owned()], 1.0)
 }
 
-/// Reads a rig of any format, from one file or from the two that ROS and OpenCV's sample write. A unit
-/// of OpenCV's translation is `unit_m` long.
+/// The rig, if it is one of pictures of this size: its focal lengths and principal points count their pixels.
+pub(crate) fn rig_of_pictures(sized: &SizedRig, size: Size) -> anyhow::Result<StereoRig> {
+    match sized.size {
+        Some(said) if said != size => bail!(
+            "the rig is one of pictures of {said} pixels, and these have {size}: give pictures of its size, or \
+             a rig whose focal lengths, principal points and size_px are scaled like them"
+        ),
+        _ => Ok(sized.rig),
+    }
+}
+
+/// Reads a rig of any format, from one file or from the two that ROS and OpenCV's sample write, which for
+/// ROS may be named by their folder. A unit of OpenCV's translation is `unit_m` long.
 ///
 /// TOML is ours and TXT Middlebury's; YAML tells by its keys whose it is.
 pub(crate) fn read_rigs(paths: &[PathBuf], unit_m: f64) -> anyhow::Result<SizedRig> {
     let [first, rest @ ..] = paths else {
         bail!("no file holds the rig");
     };
+    if first.is_dir() {
+        let [] = rest else {
+            bail!(
+                "{} is a folder, and no other file is read beside it",
+                first.display()
+            );
+        };
+        return ros_pair(&first.join("left.yaml"), &first.join("right.yaml"));
+    }
     let extension = first.extension().and_then(|extension| extension.to_str());
     let extension = extension.unwrap_or_default().to_ascii_lowercase();
     let alone = |format: &str| match rest {
@@ -45,16 +65,11 @@ pub(crate) fn read_rigs(paths: &[PathBuf], unit_m: f64) -> anyhow::Result<SizedR
                 let [right] = rest else {
                     bail!(
                         "{} is one eye's camera_info; a rig needs both: dorsal rig convert LEFT.yaml \
-                         RIGHT.yaml --out rig.toml",
+                         RIGHT.yaml --out rig.toml, or a folder that holds left.yaml and right.yaml",
                         first.display()
                     );
                 };
-                let pair = Binocular {
-                    left: ros_camera_info::read(first)?,
-                    right: ros_camera_info::read(right)?,
-                };
-                let rig = ros_camera_info::rig(&pair);
-                rig.with_context(|| format!("{} and {}", first.display(), right.display()))
+                ros_pair(first, right)
             }
             Kind::Kalibr => {
                 alone("Kalibr's camchain")?;
@@ -67,6 +82,16 @@ pub(crate) fn read_rigs(paths: &[PathBuf], unit_m: f64) -> anyhow::Result<SizedR
             Ok(rig_toml::read_sized(first)?)
         }
     }
+}
+
+/// The rig of the two files of a calibration in ROS.
+fn ros_pair(left: &Path, right: &Path) -> anyhow::Result<SizedRig> {
+    let pair = Binocular {
+        left: ros_camera_info::read(left)?,
+        right: ros_camera_info::read(right)?,
+    };
+    let rig = ros_camera_info::rig(&pair);
+    rig.with_context(|| format!("{} and {}", left.display(), right.display()))
 }
 
 /// Whose YAML a file is.

@@ -67,6 +67,11 @@ fn a_look_tells_and_mends_the_drift() {
     let said = pair.look(&["--rig", "@slipped.toml"]);
     assert_eq!(said.code, Some(0), "{}", said.err);
     assert!(said.out.contains("drift     pitch"), "{}", said.out);
+    assert!(said.out.contains("--recalibrate takes"), "{}", said.out);
+    // Where nothing has slipped there is nothing to offer.
+    let said = pair.look(&["--rig", "@rig.toml"]);
+    assert!(said.out.contains("drift     pitch"), "{}", said.out);
+    assert!(!said.out.contains("--recalibrate"), "{}", said.out);
     let said = pair.look(&["--rig", "@slipped.toml", "--recalibrate"]);
     assert!(said.out.contains("(corrected)"), "{}", said.out);
     let look: Value =
@@ -95,6 +100,8 @@ fn a_look_tells_and_mends_the_drift() {
         "dense",
     ]);
     assert_eq!(dense.code, Some(2), "{}", dense.err);
+    let dense = pair.look(&["--rig", "@rig.toml", "--estimator", "dense"]);
+    assert!(dense.out.contains("drift     unknown"), "{}", dense.out);
 }
 
 /// Without texture there is nothing to calibrate by: the reason, exit code 1, and no file.
@@ -123,6 +130,67 @@ fn a_blank_wall_is_reported() {
         said.err
     );
     assert!(!pair.path("none.toml").exists());
+}
+
+/// A file may leave out how large the pictures are and how long its unit is: what that hides is said, with
+/// the option that gives it, and no depth is told of that the lens cannot show.
+#[test]
+fn what_a_file_leaves_out_is_asked_for() {
+    let pair = Pair::new();
+    let fixture = |name: &str| {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/rigs/");
+        format!("{folder}{name}")
+    };
+    let parts = [
+        fixture("opencv_intrinsics.yml"),
+        fixture("opencv_extrinsics.yml"),
+    ];
+    let check = |options: &[&str]| {
+        let files = ["rig", "check", &parts[0], &parts[1]];
+        let said = run(&[&files, options, &["--json"]].concat(), &pair);
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        let json: Value = serde_json::from_str(&said.out).expect("JSON");
+        (json["errors"].clone(), said.err)
+    };
+    // Squares of 25 mm taken for metres: a head of 4.8 m, whose eyes squint at 0.5 m beyond their lenses.
+    let (errors, said) = check(&[]);
+    assert!(
+        said.contains("--unit-m") && said.contains("--size"),
+        "{said}"
+    );
+    assert!(errors[0]["per_px_m"].is_null(), "{errors}");
+    let (errors, said) = check(&["--unit-m", "0.025", "--size", "640x480"]);
+    assert!(said.is_empty(), "{said}");
+    let per_px_m = errors[1]["per_px_m"].as_f64().expect("a number");
+    // Z^2 / (b f), with focal lengths of 533 and 537 px.
+    assert!((per_px_m * 0.12 * 535.0 - 1.0).abs() < 0.01, "{per_px_m}");
+
+    // A rig of other pictures gives wrong metres, so it gives none.
+    let text = fs::read_to_string(pair.path("rig.toml")).expect("a rig");
+    let other = format!("size_px = [64, 48]\n{text}");
+    fs::write(pair.path("other.toml"), other).expect("written");
+    let said = pair.look(&["--rig", "@other.toml"]);
+    assert_eq!(said.code, Some(1), "{}", said.out);
+    assert!(said.err.contains("64 x 48"), "{}", said.err);
+
+    // A tilt has no place outside of rig.toml, which is said.
+    let convert = [
+        "rig",
+        "convert",
+        "@tilted.toml",
+        "--to",
+        "opencv-xml",
+        "--out",
+        "@tilted.xml",
+    ];
+    fs::write(
+        pair.path("tilted.toml"),
+        format!("tilt_deg = -20.0\n{text}"),
+    )
+    .expect("written");
+    let said = run(&convert, &pair);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    assert!(said.err.contains("the tilt of the head"), "{}", said.err);
 }
 
 /// Through every format and back; what a rig sees is told.
@@ -156,14 +224,17 @@ fn rigs_are_converted_and_checked() {
             &pair,
         );
         assert_eq!(said.code, Some(0), "{}", said.err);
-        let back: &[&str] = match format {
-            "ros" => &["@folder/left.yaml", "@folder/right.yaml"],
-            _ => &[&out],
+        // The files of both eyes, or the folder they stand in.
+        let backs: &[&[&str]] = match format {
+            "ros" => &[&["@folder/left.yaml", "@folder/right.yaml"], &["@folder"]],
+            _ => &[&[&out]],
         };
-        let arguments = [&["rig", "convert"], back, &["--out", "@back.toml"]].concat();
-        let said = run(&arguments, &pair);
-        assert_eq!(said.code, Some(0), "{}", said.err);
-        same(&read("back.toml"), &ros);
+        for back in backs {
+            let arguments = [&["rig", "convert"], *back, &["--out", "@back.toml"]].concat();
+            let said = run(&arguments, &pair);
+            assert_eq!(said.code, Some(0), "{}", said.err);
+            same(&read("back.toml"), &ros);
+        }
     }
     // One eye is no rig, and k3 has no place in a camchain: said, with what to do.
     let one = run(&["rig", "check", &left], &pair);
@@ -185,7 +256,9 @@ fn rigs_are_converted_and_checked() {
         &pair,
     );
     assert!(
-        kalibr.code == Some(1) && kalibr.err.contains("k3 = 0.16"),
+        kalibr.code == Some(1)
+            && kalibr.err.contains("k3 = 0.16")
+            && kalibr.err.contains("rig rectify"),
         "{}",
         kalibr.err
     );
@@ -205,13 +278,18 @@ fn rigs_are_converted_and_checked() {
     let nearest = json["reaches"][0]["nearest_m"].as_f64().expect("a number");
     assert!((nearest - 12.0 / 24.0).abs() < 1e-9, "{nearest}");
 
+    // The same eyes before the pictures of another pair.
+    let text = fs::read_to_string(pair.path("ros.toml")).expect("a rig");
+    let unsized_rig = text.replace("size_px = [640, 480]\n", "");
+    assert_ne!(unsized_rig, text);
+    fs::write(pair.path("unsized.toml"), unsized_rig).expect("written");
     let rectify = [
         "rig",
         "rectify",
         "@left.png",
         "@right.png",
         "--rig",
-        "@ros.toml",
+        "@unsized.toml",
         "--out",
         "@flat",
     ];

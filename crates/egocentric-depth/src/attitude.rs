@@ -15,7 +15,7 @@ pub struct Attitude {
 }
 
 impl Attitude {
-    /// An eye that only pans.
+    /// An eye that only pans, by `pan_rad` about the head's vertical, positive toward +x.
     #[must_use]
     pub const fn panned(pan_rad: f64) -> Self {
         Self {

@@ -88,7 +88,8 @@ impl DisparitySigma {
         }
     }
 
-    /// What every sigma of a field of this roughness is a multiple of.
+    /// What every sigma of a field of this roughness is a multiple of: the roughness in pixels for the
+    /// vector pyramid, its cube root for the dense estimator.
     #[must_use]
     pub fn scale(&self, roughness_px: f64) -> f64 {
         let roughness_px = roughness_px.max(Self::LEAST_ROUGHNESS_PX);

@@ -36,6 +36,9 @@ impl StereoRig {
     ///
     /// `zero_disparity_px` is the shift the search starts from: 0, unless the right image was
     /// moved beforehand. `None` if no depth in front of the head gives such a shift.
+    ///
+    /// Pans, focal lengths and principal points count. Tilt, torsion and slip move a shift by little
+    /// across the rows, and lenses bend little near the middle of a picture: they do not.
     #[must_use]
     pub fn reach(&self, scales: u32, zero_disparity_px: f64) -> Option<Reach> {
         let reach_px = reach_px(scales);

@@ -79,7 +79,7 @@ impl OrientationParams {
         }
     }
 
-    /// The usual fit with this expectation.
+    /// The default fit, which expects the right eye where `expected` has it and as surely.
     #[must_use]
     pub const fn expecting(expected: DriftBelief) -> Self {
         Self {

@@ -31,7 +31,7 @@ impl RigDrift {
     /// The names of the five numbers, in the order of [`RigDrift::to_array`].
     pub const NAMES: [&'static str; 5] = ["pitch", "yaw", "roll", "down", "forward"];
 
-    /// Pitch, yaw, roll, down and forward.
+    /// Pitch, yaw and roll in radians, down and forward in baselines.
     #[must_use]
     pub const fn to_array(&self) -> [f64; 5] {
         [

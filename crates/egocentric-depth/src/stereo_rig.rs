@@ -32,14 +32,17 @@ pub enum BadRig {
     #[error("a baseline of {0} m gives no parallax; it must be positive and finite")]
     Baseline(f64),
     /// A focal length is not positive and finite.
-    #[error("a camera with focal length ({0}, {1}) px forms no image")]
+    #[error(
+        "a camera with focal length ({0}, {1}) px forms no image; both must be positive and finite"
+    )]
     Focal(f64, f64),
     /// A principal point is not finite.
     #[error("a principal point at ({0}, {1}) px is nowhere")]
     PrincipalPoint(f64, f64),
     /// The lines of sight part in front of the head.
     #[error(
-        "lines of sight that part by {:.3} degrees meet nowhere in front of the head",
+        "lines of sight that part by {:.3} degrees meet nowhere in front of the head; the left eye's pan \
+         must be the larger one, positive to the right",
         -.0.to_degrees()
     )]
     Vergence(f64),

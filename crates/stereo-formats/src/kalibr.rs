@@ -8,7 +8,7 @@ use v1_gabor::{Binocular, Size};
 
 use crate::camera_matrix;
 use crate::file::{self, Unreadable, Unwritable};
-use crate::rig_toml::SizedRig;
+use crate::rig_toml::{SizedRig, brown_conrady};
 use crate::yaml_text::{self, NotYaml, Number, plain, spell_list};
 
 /// Why a text is no chain of two cameras, or a rig goes into none.
@@ -29,9 +29,15 @@ pub enum NotACamchain {
     },
     /// A lens that Kalibr has no name for.
     #[error(
-        "a lens with k3 = {0} or more terms has no form in a camchain, whose radtan has k1 k2 p1 p2"
+        "the {eye} lens has k3 = {k3} or terms beyond it, and a camchain's radtan ends with k1 k2 p1 p2; \
+         write a rig.toml, ROS or OpenCV file, or rectify the pair first (dorsal rig rectify)"
     )]
-    Lens(f64),
+    Lens {
+        /// The eye: left or right.
+        eye: &'static str,
+        /// Its third radial coefficient.
+        k3: f64,
+    },
     /// A rig without a size of its pictures.
     #[error("the rig does not say how large its pictures are: give size_px, or --size")]
     NoSize,
@@ -82,22 +88,26 @@ pub fn decode(bytes: &[u8]) -> Result<SizedRig, NotACamchain> {
             );
             return Err(wrong(name, "intrinsics", what));
         };
-        let terms = plain(&camera.distortion_coeffs);
-        let lens = match (camera.distortion_model.as_deref(), &terms[..]) {
-            (Some("none") | None, _) => Lens::Pinhole,
-            (Some("radtan"), &[k1, k2, p1, p2]) => {
-                Lens::BrownConrady([k1, k2, p1, p2, 0.0, 0.0, 0.0, 0.0])
-            }
-            (Some("equidistant"), &[k1, k2, k3, k4]) => Lens::Fisheye([k1, k2, k3, k4]),
-            (Some(model), terms) => {
-                let what = format!("has the lens '{model}' with {} terms", terms.len());
-                return Err(wrong(name, "distortion_model", what));
-            }
-        };
         let intrinsics = CameraIntrinsics {
             focal_px: (fx, fy),
             principal_point_px: (cx, cy),
         };
+        let terms = plain(&camera.distortion_coeffs);
+        let model = camera.distortion_model.as_deref();
+        let lens = match (model, &terms[..]) {
+            (Some("none") | None, _) => Some(Lens::Pinhole),
+            (Some("radtan"), terms @ [_, _, _, _]) => brown_conrady(terms),
+            (Some("equidistant"), &[k1, k2, k3, k4]) => Some(Lens::Fisheye([k1, k2, k3, k4])),
+            _ => None,
+        };
+        let lens = lens.ok_or_else(|| {
+            let what = format!(
+                "has the lens '{}' with {} terms; none, radtan and equidistant (4 terms) are read",
+                model.unwrap_or_default(),
+                terms.len()
+            );
+            wrong(name, "distortion_model", what)
+        })?;
         Ok((intrinsics, lens))
     };
     let left = camera("cam0", &chain.cam0)?;
@@ -147,13 +157,13 @@ pub fn encode(sized: &SizedRig) -> Result<Vec<u8>, NotACamchain> {
     let size = sized.size.ok_or(NotACamchain::NoSize)?;
     let (cameras, lenses) = (sized.rig.intrinsics(), sized.rig.lenses());
     let pose = sized.rig.relative_pose();
-    let camera = |name: &str, camera: CameraIntrinsics, lens: Lens| {
+    let camera = |name: &str, eye: &'static str, camera: CameraIntrinsics, lens: Lens| {
         let (model, terms) = match lens {
             Lens::Pinhole => ("none", Vec::new()),
             Lens::BrownConrady([k1, k2, p1, p2, 0.0, 0.0, 0.0, 0.0]) => {
                 ("radtan", vec![k1, k2, p1, p2])
             }
-            Lens::BrownConrady([_, _, _, _, k3, ..]) => return Err(NotACamchain::Lens(k3)),
+            Lens::BrownConrady([_, _, _, _, k3, ..]) => return Err(NotACamchain::Lens { eye, k3 }),
             Lens::Fisheye(terms) => ("equidistant", terms.to_vec()),
         };
         let ((fx, fy), (cx, cy)) = (camera.focal_px, camera.principal_point_px);
@@ -166,8 +176,8 @@ pub fn encode(sized: &SizedRig) -> Result<Vec<u8>, NotACamchain> {
             size.height
         ))
     };
-    let mut text = camera("cam0", cameras.left, lenses.left)?;
-    text += &camera("cam1", cameras.right, lenses.right)?;
+    let mut text = camera("cam0", "left", cameras.left, lenses.left)?;
+    text += &camera("cam1", "right", cameras.right, lenses.right)?;
     text += "  T_cn_cnm1:\n";
     for (row, metres) in pose.rotation.matrix().into_iter().zip(pose.translation_m) {
         text += &format!("  - {}\n", spell_list(&[row[0], row[1], row[2], metres]));

@@ -140,8 +140,8 @@ fn wrong(key: &'static str, (line, value): (usize, &str), wanted: &'static str) 
 pub enum NotRectified {
     /// Its eyes are not parallel pinholes.
     #[error(
-        "a calib.txt holds parallel pinholes of one focal length; rectify the pair first, or write \
-         another format"
+        "a calib.txt holds parallel pinholes of one focal length; rectify the pair first (dorsal rig \
+         rectify), or write another format"
     )]
     Rig,
     /// It does not say how large its pictures are.
@@ -155,10 +155,7 @@ pub enum NotRectified {
 /// [`NotRectified`] if the rig is none of these.
 pub fn encode(rig: &StereoRig, size: Option<Size>) -> Result<Vec<u8>, NotRectified> {
     let Binocular { left, right } = rig.intrinsics();
-    let parallel = rig.only_pans() && rig.pan_rad().left == 0.0 && rig.pan_rad().right == 0.0;
-    let alike =
-        left.focal_px == right.focal_px && left.principal_point_px.1 == right.principal_point_px.1;
-    if !(parallel && alike) {
+    if !rig.is_rectified() {
         return Err(NotRectified::Rig);
     }
     let size = size.ok_or(NotRectified::Size)?;

@@ -48,6 +48,12 @@ pub enum NotAStorage {
     /// A length that is no unit.
     #[error("a unit of {0} m measures nothing; it must be positive and finite")]
     Unit(f64),
+    /// The two lenses are of different models.
+    #[error(
+        "one lens is a fisheye and the other is not, and OpenCV's storage has one model for both; write a \
+         rig.toml, ROS or Kalibr file"
+    )]
+    TwoModels,
     /// The numbers describe no rig.
     #[error(transparent)]
     Rig(#[from] BadRig),
@@ -265,10 +271,12 @@ impl Storage {
             };
             lens.ok_or_else(|| {
                 let terms = matrix.numbers.len();
-                matrix.wrong(
-                    name,
-                    format!("has {terms} coefficients; 4, 5 or 8 are read"),
-                )
+                let read = if fisheye {
+                    "4 of a fisheye"
+                } else {
+                    "4, 5 or 8"
+                };
+                matrix.wrong(name, format!("has {terms} coefficients; {read} are read"))
             })
         };
         let (r_name, r) = self.matrix(4)?;
@@ -326,10 +334,14 @@ impl Matrix {
 /// The storage of a rig, lengths in metres. The tilt of its head and what is uncertain of it have no
 /// place in it.
 ///
-/// A rig whose eyes have lenses of both models has no form; its fisheye is then written as such.
-#[must_use]
-pub fn encode(sized: &SizedRig, form: Form) -> Vec<u8> {
+/// # Errors
+/// [`NotAStorage::TwoModels`] if one lens is a fisheye and the other is not.
+pub fn encode(sized: &SizedRig, form: Form) -> Result<Vec<u8>, NotAStorage> {
     let (cameras, lenses) = (sized.rig.intrinsics(), sized.rig.lenses());
+    let fisheye = lenses.map(|lens| matches!(lens, Lens::Fisheye(_)));
+    if fisheye.left != fisheye.right {
+        return Err(NotAStorage::TwoModels);
+    }
     let pose = sized.rig.relative_pose();
     let terms = |lens: &Lens| match lens {
         Lens::Pinhole => vec![0.0; 5],
@@ -341,7 +353,7 @@ pub fn encode(sized: &SizedRig, form: Form) -> Vec<u8> {
         numbers.push(("image_width", size.width));
         numbers.push(("image_height", size.height));
     }
-    if matches!(lenses.left, Lens::Fisheye(_)) {
+    if fisheye.left {
         numbers.push((FISHEYE, 1));
     }
     let matrices = [
@@ -384,7 +396,7 @@ pub fn encode(sized: &SizedRig, form: Form) -> Vec<u8> {
             text += "</opencv_storage>\n";
         }
     }
-    text.into_bytes()
+    Ok(text.into_bytes())
 }
 
 /// Reads a calibration from one file, or from the two that OpenCV's sample writes; see [`decode`].
@@ -426,6 +438,6 @@ pub fn write(
     path: impl AsRef<Path>,
     rig: &SizedRig,
     form: Form,
-) -> Result<(), Unwritable<std::convert::Infallible>> {
-    file::write(path.as_ref(), Ok(encode(rig, form)))
+) -> Result<(), Unwritable<NotAStorage>> {
+    file::write(path.as_ref(), encode(rig, form))
 }

@@ -304,6 +304,9 @@ fn lens(
 
 /// A lens of Brown and Conrady by its terms in the order of OpenCV: none, 4, 5 or 8 of them; no
 /// other number has a meaning here.
+///
+/// Formats without a name for a pinhole write it as terms of zero, so such a lens is a pinhole: a
+/// rectified pair then is one, whichever file its rig came from.
 pub(crate) fn brown_conrady(terms: &[f64]) -> Option<Lens> {
     let mut all = [0.0; 8];
     match terms.len() {
@@ -311,7 +314,12 @@ pub(crate) fn brown_conrady(terms: &[f64]) -> Option<Lens> {
         4 | 5 | 8 => all[..terms.len()].copy_from_slice(terms),
         _ => return None,
     }
-    Some(Lens::BrownConrady(all))
+    let bends = all.iter().any(|&term| term != 0.0);
+    Some(if bends {
+        Lens::BrownConrady(all)
+    } else {
+        Lens::Pinhole
+    })
 }
 
 /// The terms of a lens in the order of OpenCV, as few as tell it.

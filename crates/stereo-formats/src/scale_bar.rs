@@ -11,26 +11,32 @@ const MARGIN: usize = 4;
 const BAR: usize = 10;
 const TICK: usize = 3;
 const GAP: usize = 2;
-/// Screen pixels to one pixel of a digit.
+/// Screen pixels to one pixel of a glyph.
 const ZOOM: usize = 2;
-/// From the left edge of one digit to that of the next.
-const ADVANCE: usize = ZOOM * (Digit::WIDTH + 1);
+/// From the left edge of one glyph to that of the next.
+const ADVANCE: usize = ZOOM * (Glyph::WIDTH + 1);
 /// Height of a number that [`write_number`] writes.
-pub(crate) const NUMBER_HEIGHT: usize = ZOOM * Digit::HEIGHT;
+pub(crate) const NUMBER_HEIGHT: usize = ZOOM * Glyph::HEIGHT;
 
 const PAPER: [u8; 3] = [255; 3];
 const INK: [u8; 3] = [0; 3];
 
 /// The picture with a bar of the range's colours under it, and round numbers at its ticks as far
-/// as the width has room for them.
+/// as the width has room for them, the last of them with its unit.
+///
+/// A unit is spelt with `m`, `p` and `x`, or empty where the numbers have none.
 #[must_use]
-pub fn beneath(picture: ArrayView2<'_, [u8; 3]>, range: ColourRange) -> Array2<[u8; 3]> {
-    let bar = draw(picture.ncols(), range);
+pub fn beneath(
+    picture: ArrayView2<'_, [u8; 3]>,
+    range: ColourRange,
+    unit: &str,
+) -> Array2<[u8; 3]> {
+    let bar = draw(picture.ncols(), range, unit);
     // Both have one width, so this cannot fail; a picture without its bar is still the picture.
     concatenate(ndarray::Axis(0), &[picture, bar.view()]).unwrap_or_else(|_| picture.to_owned())
 }
 
-fn draw(width: usize, range: ColourRange) -> Array2<[u8; 3]> {
+fn draw(width: usize, range: ColourRange, unit: &str) -> Array2<[u8; 3]> {
     let mut strip = Array2::from_elem((HEIGHT, width), PAPER);
     let Some(length) = width.checked_sub(2 * MARGIN).filter(|&length| length > 1) else {
         return strip;
@@ -41,7 +47,7 @@ fn draw(width: usize, range: ColourRange) -> Array2<[u8; 3]> {
         .slice_mut(s![MARGIN..MARGIN + BAR, MARGIN..MARGIN + length])
         .assign(&colour::paint(numbers.view(), range));
 
-    for tick in ticks(length, range) {
+    for tick in ticks(length, range, unit) {
         let x = MARGIN + (tick.along * (length - 1) as f64).round() as usize;
         strip
             .slice_mut(s![MARGIN + BAR..MARGIN + BAR + TICK, x])
@@ -62,7 +68,7 @@ pub(crate) fn write_number(
     (left, top): (usize, usize),
 ) {
     for (place, sign) in number.chars().enumerate() {
-        Digit::of(sign).draw(picture, (left + place * ADVANCE, top));
+        Glyph::of(sign).draw(picture, (left + place * ADVANCE, top));
     }
 }
 
@@ -80,7 +86,7 @@ impl Tick {
 
 /// Multiples of the smallest round step (1, 2 or 5 times a power of ten) whose labels do not
 /// touch on a bar of this length.
-fn ticks(length: usize, range: ColourRange) -> Vec<Tick> {
+fn ticks(length: usize, range: ColourRange, unit: &str) -> Vec<Tick> {
     let (lowest, highest) = (f64::from(range.lowest()), f64::from(range.highest()));
     let span = highest - lowest;
     let power = span.log10().floor() as i32;
@@ -99,7 +105,10 @@ fn ticks(length: usize, range: ColourRange) -> Vec<Tick> {
                     label: format!("{:.decimals$}", number + 0.0),
                 }
             });
-            let ticks: Vec<Tick> = ticks.collect();
+            let mut ticks: Vec<Tick> = ticks.collect();
+            if let (Some(last), false) = (ticks.last_mut(), unit.is_empty()) {
+                last.label = format!("{} {unit}", last.label);
+            }
             (step, ticks)
         })
         .find(|(step, ticks)| {
@@ -109,58 +118,43 @@ fn ticks(length: usize, range: ColourRange) -> Vec<Tick> {
         .map_or_else(Vec::new, |(_, ticks)| ticks)
 }
 
-/// A digit of seven segments, three pixels wide and five high.
-struct Digit {
-    /// Segments a to g as bits from the lowest: top, upper right, lower right, bottom, lower
-    /// left, upper left, middle; the eighth is the point.
-    segments: u8,
+/// A digit or a letter of a unit, three pixels wide and five high.
+struct Glyph {
+    /// Its rows from the top; the lowest bit is the pixel on the right.
+    rows: [u8; Self::HEIGHT],
 }
 
-impl Digit {
+impl Glyph {
     const WIDTH: usize = 3;
     const HEIGHT: usize = 5;
 
     const fn of(sign: char) -> Self {
-        let segments = match sign {
-            '0' => 0b011_1111,
-            '1' => 0b000_0110,
-            '2' => 0b101_1011,
-            '3' => 0b100_1111,
-            '4' => 0b110_0110,
-            '5' => 0b110_1101,
-            '6' => 0b111_1101,
-            '7' => 0b000_0111,
-            '8' => 0b111_1111,
-            '9' => 0b110_1111,
-            '-' => 0b100_0000,
-            '.' => 0b1000_0000,
-            _ => 0,
+        let rows = match sign {
+            '0' => [0b111, 0b101, 0b101, 0b101, 0b111],
+            '1' => [0b001, 0b001, 0b001, 0b001, 0b001],
+            '2' => [0b111, 0b001, 0b111, 0b100, 0b111],
+            '3' => [0b111, 0b001, 0b111, 0b001, 0b111],
+            '4' => [0b101, 0b101, 0b111, 0b001, 0b001],
+            '5' => [0b111, 0b100, 0b111, 0b001, 0b111],
+            '6' => [0b111, 0b100, 0b111, 0b101, 0b111],
+            '7' => [0b111, 0b001, 0b001, 0b001, 0b001],
+            '8' => [0b111, 0b101, 0b111, 0b101, 0b111],
+            '9' => [0b111, 0b101, 0b111, 0b001, 0b111],
+            '-' => [0b000, 0b000, 0b111, 0b000, 0b000],
+            '.' => [0b000, 0b000, 0b000, 0b000, 0b010],
+            'm' => [0b101, 0b111, 0b111, 0b101, 0b101],
+            'p' => [0b111, 0b101, 0b111, 0b100, 0b100],
+            'x' => [0b101, 0b101, 0b010, 0b101, 0b101],
+            _ => [0; Self::HEIGHT],
         };
-        Self { segments }
+        Self { rows }
     }
 
-    /// Whether a pixel of the digit is ink: one of the segments that touch it is lit.
     const fn inks(&self, x: usize, y: usize) -> bool {
-        let touching = match (x, y) {
-            (0, 0) => 0b010_0001,
-            (1, 0) => 0b000_0001,
-            (2, 0) => 0b000_0011,
-            (0, 1) => 0b010_0000,
-            (2, 1) => 0b000_0010,
-            (0, 2) => 0b111_0000,
-            (1, 2) => 0b100_0000,
-            (2, 2) => 0b100_0110,
-            (0, 3) => 0b001_0000,
-            (2, 3) => 0b000_0100,
-            (0, 4) => 0b001_1000,
-            (1, 4) => 0b1000_1000,
-            (2, 4) => 0b000_1100,
-            _ => 0,
-        };
-        self.segments & touching != 0
+        self.rows[y] >> (Self::WIDTH - 1 - x) & 1 == 1
     }
 
-    /// Draws the digit with its upper left corner at `(left, top)`, cut off at the edges.
+    /// Draws the glyph with its upper left corner at `(left, top)`, cut off at the edges.
     fn draw(&self, strip: &mut Array2<[u8; 3]>, (left, top): (usize, usize)) {
         for y in 0..ZOOM * Self::HEIGHT {
             for x in 0..ZOOM * Self::WIDTH {
@@ -182,33 +176,36 @@ mod tests {
 
     #[test]
     fn labels_are_round_and_apart() {
-        let labels = |length, lowest, highest| {
+        let labels = |length, lowest, highest, unit| {
             let range = ColourRange::new(lowest, highest).unwrap();
-            let ticks = ticks(length, range).into_iter();
+            let ticks = ticks(length, range, unit).into_iter();
             ticks.map(|tick| tick.label).collect::<Vec<_>>()
         };
         assert_eq!(
-            labels(300, 3.0, 19.75),
+            labels(300, 3.0, 19.75, ""),
             ["4", "6", "8", "10", "12", "14", "16", "18"]
         );
-        assert_eq!(labels(100, 0.0, 1.0), ["0.0", "0.5", "1.0"]);
+        assert_eq!(labels(100, 0.0, 1.0, ""), ["0.0", "0.5", "1.0"]);
         assert_eq!(
-            labels(200, -3.2, 3.2),
+            labels(200, -3.2, 3.2, ""),
             ["-3", "-2", "-1", "0", "1", "2", "3"]
         );
-        assert_eq!(labels(10, 0.0, 1.0), ["0"]);
+        assert_eq!(labels(10, 0.0, 1.0, ""), ["0"]);
+        // A unit stands once, and takes its room.
+        assert_eq!(labels(120, 0.0, 1.0, "m"), ["0.0", "0.5", "1.0 m"]);
+        assert_eq!(labels(60, 0.0, 1.0, "px"), ["0", "1 px"]);
     }
 
     #[test]
-    fn digits_differ() {
-        let drawn: std::collections::BTreeSet<Vec<bool>> = "0123456789-. "
+    fn glyphs_differ() {
+        let drawn: std::collections::BTreeSet<Vec<bool>> = "0123456789-.mpx "
             .chars()
             .map(|sign| {
-                let digit = Digit::of(sign);
-                (0..15).map(|i| digit.inks(i % 3, i / 3)).collect()
+                let glyph = Glyph::of(sign);
+                (0..15).map(|i| glyph.inks(i % 3, i / 3)).collect()
             })
             .collect();
-        assert_eq!(drawn.len(), 13);
+        assert_eq!(drawn.len(), 16);
     }
 
     proptest! {
@@ -222,7 +219,7 @@ mod tests {
             prop_assume!(lowest + span > lowest);
             let range = ColourRange::new(lowest, lowest + span).unwrap();
             let picture = Array2::from_elem((3, width), [1, 2, 3]);
-            let whole = beneath(picture.view(), range);
+            let whole = beneath(picture.view(), range, "px");
             prop_assert_eq!(whole.dim(), (3 + HEIGHT, width));
             prop_assert_eq!(whole.slice(s![..3, ..]), picture);
         }

@@ -108,7 +108,7 @@ pub fn instantaneous_frequency(responses: &Responses, tau: f32) -> Array2<[u8; 3
             });
         colour::paint(along.view(), range)
     });
-    scale_bar::beneath(by_orientation(pictures.collect()).view(), range)
+    scale_bar::beneath(by_orientation(pictures.collect()).view(), range, "")
 }
 
 /// Where the phase of each orientation means nothing: white.
@@ -177,7 +177,7 @@ fn polar(
 }
 
 fn with_bar(plane: &Array2<f32>, range: ColourRange) -> Array2<[u8; 3]> {
-    scale_bar::beneath(colour::paint(plane.view(), range).view(), range)
+    scale_bar::beneath(colour::paint(plane.view(), range).view(), range, "")
 }
 
 #[cfg(test)]

@@ -139,7 +139,8 @@ fn good_files() -> Vec<Vec<u8>> {
         opencv_storage::encode(
             &kalibr::decode(include_bytes!("../../../fixtures/rigs/kalibr_camchain.yaml")).unwrap(),
             opencv_storage::Form::Yaml,
-        ),
+        )
+        .unwrap(),
         include_bytes!("../../../fixtures/rigs/opencv_stereo.xml").to_vec(),
         b"[names]\n1 = \"cup\"\n2 = \"pen\"\n".to_vec(),
         b"width = 9\nheight = 7\n[[object]]\nname = \"a\"\npolygon = [[1, 1], [4, 1], [2, 5.5]]\n"
