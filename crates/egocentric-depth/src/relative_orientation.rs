@@ -58,22 +58,21 @@ impl OrientationParams {
     }
 
     /// How eyes are matched whose orientation is asked for: the vertical component of every fit by the
-    /// phases alone, at every pixel, with filters that follow slopes at every scale. Lonely patches count
-    /// too: what is wrong among them the robust fit refuses, and what is right stands where nothing else
+    /// phases alone, at every pixel. Lonely patches count too, and answers whose way there and back misses its start by
+    /// up to 1.5 px: what is wrong among them the robust fit refuses, and what is right stands where nothing else
     /// does. It takes several times as long as the default.
     ///
     /// What yaw does to the vertical component is hundredths of a pixel. The default pulls that
     /// component towards the coarser scale's ([`MatchParams::vertical_prior`]), where those
     /// hundredths are lost, which is right for depth and wrong here: before the paper's head, which
-    /// verges at 1 m, the yaw that is found is 0.21 degrees off with it and 0.01 without. Filters
-    /// that follow slopes take a quarter off the errors that are left.
+    /// verges at 1 m, the yaw that is found is 0.21 degrees off with it and 0.01 without.
     #[must_use]
     pub fn matching() -> MatchParams {
         MatchParams {
             vertical_prior: 0.0,
             sparse_scales: 0,
             finest_warps: 2,
-            slanted_scales: usize::MAX,
+            left_right_px: Some(1.5),
             least_patch: 0,
             ..MatchParams::default()
         }
