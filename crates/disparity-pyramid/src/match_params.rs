@@ -34,7 +34,7 @@ pub struct MatchParams {
     /// 0.7 px a pixel: the right eye's filters are stretched by it, as the surface is stretched in its image, and
     /// medians bring neighbours to the place that asks along it. Without the stretch
     /// the error of either component grows by two fifths of a pixel times its slope: 0.024 px at a slope of
-    /// 0.06, in place of 0.010 to 0.019 with 1 and 0.007 to 0.016 with all, which takes another fifth of
+    /// 0.06, in place of 0.009 to 0.018 with 1 and 0.006 to 0.014 with all, which takes another fifth of
     /// the time. Without the medians' part, a fifth is added to the error before rendered tables.
     /// [`estimate_monogenic`](crate::estimate_monogenic) and
     /// [`estimate_population`](crate::estimate_population) do not stretch.
