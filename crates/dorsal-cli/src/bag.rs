@@ -17,15 +17,17 @@ use crate::console::Console;
 use crate::interruption::Interruption;
 use crate::look_record::Inputs;
 use crate::look_stream::LookStream;
+use crate::wrong_call::WrongCall;
 
 /// `dorsal bag`: looks at the pairs of a recording, one after another.
 pub(crate) fn bag(arguments: &BagArguments, out: &mut dyn Write) -> anyhow::Result<()> {
     arguments.threads.install()?;
-    ensure!(
-        arguments.left != arguments.right,
-        "--left and --right are both {}; the two eyes have topics of their own",
-        arguments.left
-    );
+    if arguments.left == arguments.right {
+        let topic = &arguments.left;
+        let why =
+            format!("--left and --right are both {topic}; the two eyes have topics of their own");
+        return Err(WrongCall(why).into());
+    }
     let console = Console::new(arguments.quiet);
     let interruption = Interruption::listen()?;
     let rig = match arguments.options.rig()? {

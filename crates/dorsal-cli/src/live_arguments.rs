@@ -63,5 +63,13 @@ fn size(text: &str) -> Result<Size, String> {
             height: height.parse().ok()?,
         })
     });
-    sides.ok_or_else(|| "a width and a height such as 1280x480 are needed".to_owned())
+    match sides {
+        None => Err("a width and a height such as 1280x480 are needed".to_owned()),
+        Some(Size { width, height }) if width == 0 || height == 0 || width % 2 == 1 => {
+            Err(format!(
+                "a frame of {width} x {height} has no two halves; a side-by-side pair is an even number of pixels wide"
+            ))
+        }
+        Some(size) => Ok(size),
+    }
 }

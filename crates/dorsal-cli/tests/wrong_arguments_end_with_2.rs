@@ -77,6 +77,29 @@ fn values_are_checked_before_any_work() {
 }
 
 #[test]
+fn frames_and_topics_that_hold_no_two_eyes_are_refused() {
+    for (line, helpful) in [
+        (
+            "bag walk.mcap --left /l --right /l --mcap o.mcap",
+            "both /l",
+        ),
+        (
+            "live --format gray --size 0x0 --mcap o.mcap",
+            "no two halves",
+        ),
+        (
+            "live --format gray --size 641x480 --mcap o.mcap",
+            "even number",
+        ),
+        ("live --format gray --size 640 --mcap o.mcap", "1280x480"),
+    ] {
+        let said = dorsal(line.split_whitespace());
+        assert_eq!(said.code, Some(2), "{line}: {}", said.err);
+        assert!(said.err.contains(helpful), "{line}: {}", said.err);
+    }
+}
+
+#[test]
 fn labels_need_a_rig() {
     refused(
         "look l.png r.png --out o --labels labels.png",
