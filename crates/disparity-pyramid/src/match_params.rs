@@ -110,7 +110,7 @@ impl Default for MatchParams {
             least_coherence: 0.82,
             vertical_prior: 0.1,
             fill_neighbours: Some(12),
-            left_right_px: Some(1.0),
+            left_right_px: Some(1.5),
             look_back_scale: 1,
             look_back_warps: 2,
             least_patch: 400,

@@ -12,6 +12,8 @@ impl MatchParams {
         Self {
             least_coherence: 0.7,
             fill_neighbours: Some(10),
+            // What is wrong among them is not outvoted, as it is over a whole picture.
+            left_right_px: Some(1.0),
             // A thing may be smaller than any patch that could be asked for.
             least_patch: 0,
             ..Self::default()

@@ -368,11 +368,10 @@ impl Scan {
         let responses = eyes.as_ref().try_map(|eye| self.bank.respond(eye));
         let responses = responses.map_err(Error::from)?;
         // What is wrongly there does more harm to a map than what is missed, and is looked for again.
-        // Patches may be small all the same, as things in small pictures are. A table before so long a
-        // baseline slants by half a pixel a row, which two more scales follow.
+        // Patches may be small all the same, as things in small pictures are.
         let matching = MatchParams {
             least_patch: 0,
-            slanted_scales: 3,
+            left_right_px: Some(1.0),
             ..MatchParams::default()
         };
         let found = Range::Given.disparity(&responses, matching);

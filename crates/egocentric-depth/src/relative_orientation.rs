@@ -58,8 +58,7 @@ impl OrientationParams {
     }
 
     /// How eyes are matched whose orientation is asked for: the vertical component of every fit by the
-    /// phases alone, at every pixel. Lonely patches count too, and answers whose way there and back misses its start by
-    /// up to 1.5 px: what is wrong among them the robust fit refuses, and what is right stands where nothing else
+    /// phases alone, at every pixel. Lonely patches count too: what is wrong among them the robust fit refuses, and what is right stands where nothing else
     /// does. It takes several times as long as the default.
     ///
     /// What yaw does to the vertical component is hundredths of a pixel. The default pulls that
@@ -72,7 +71,6 @@ impl OrientationParams {
             vertical_prior: 0.0,
             sparse_scales: 0,
             finest_warps: 2,
-            left_right_px: Some(1.5),
             least_patch: 0,
             ..MatchParams::default()
         }
