@@ -134,9 +134,10 @@ proptest! {
     }
 
     /// What bears no label where nothing hides it is not there, however unsure the place: depths in the
-    /// place itself are of something else. Where they are not known it may be.
+    /// place itself are of something else. Where they are not known it may be. The whole place is in the picture:
+    /// 25 cm about a point 1 m away reach its last row from row 41.75 on.
     #[test]
-    fn what_is_not_seen_where_nothing_hides_it_is_gone(column in 40.0..56.0f64, row in 30.0..42.0f64, depth_m in 1.0..1.3f64) {
+    fn what_is_not_seen_where_nothing_hides_it_is_gone(column in 40.0..56.0f64, row in 30.0..41.5f64, depth_m in 1.0..1.3f64) {
         let (rig, names) = (rig(), names());
         let labels = LabelImage::new(Array2::zeros(SIZE.dim()));
         let things = SeenThings::new(&labels, &names);
