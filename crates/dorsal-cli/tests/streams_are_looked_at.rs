@@ -116,7 +116,7 @@ fn what_comes_too_fast_is_dropped_and_counted() {
 #[test]
 fn what_is_no_stream_is_refused() {
     let whole = y4m(2);
-    let cases: [(&[&str], &[u8], &str); 4] = [
+    let cases: [(&[&str], &[u8], &str); 3] = [
         (&[], b"RIFF and so on\n", "YUV4MPEG2"),
         (&[], b"", "YUV4MPEG2"),
         (
@@ -124,7 +124,6 @@ fn what_is_no_stream_is_refused() {
             &whole[..whole.len() - 7],
             "in the middle of frame 2",
         ),
-        (&["--format", "gray", "--size", "95x10"], b"", "even number"),
     ];
     for (arguments, stream, words) in cases {
         let (code, _, err) = looked(arguments, stream);
@@ -134,6 +133,7 @@ fn what_is_no_stream_is_refused() {
     for arguments in [
         &["--format", "gray"][..],
         &["--size", "12"],
+        &["--format", "gray", "--size", "95x10"],
         &["--looks", "0"],
     ] {
         assert_eq!(looked(arguments, b"").0, Some(2), "{arguments:?}");
