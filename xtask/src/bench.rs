@@ -306,14 +306,7 @@ impl Ours {
                     ..params
                 },
             ),
-            (
-                ONE_WARP,
-                MatchParams {
-                    warps: 1,
-                    finest_warps: 1,
-                    ..params
-                },
-            ),
+            (ONE_WARP, MatchParams::one_warp()),
         ];
         let vector = settings
             .into_iter()

@@ -23,13 +23,13 @@ use crate::marks;
 use crate::masks::Masks;
 use crate::pyramid_ablation_run::{AblatedScene, AblationRun};
 use crate::results_page::results_page;
-use crate::rows_only::{self, RowsOnly};
 use crate::scan_in_results;
 use crate::score::Score;
 use crate::score_tables;
 use crate::table_1;
 use crate::table_1_page;
 use crate::table_1_run::{SceneRun, Table1Run};
+use crate::textured_marks::{self, Textured};
 
 /// Compares disparities with the truth of real pairs: every stereo scene with dense truth in the
 /// data folder.
@@ -142,12 +142,13 @@ pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
         command: command(options),
         estimator: options.estimator,
         scenes: scores(&data, options)?,
-        rows_only: rows_only(&data, options)?,
+        textured: textured(&data, options)?,
     };
     print(&evaluation, options);
     write(&evaluation, options)?;
     if options.check {
         bounds::check(&evaluation.scenes)?;
+        textured_marks::check(&evaluation.textured)?;
         println!("\nEvery bound holds.");
     }
     Ok(())
@@ -385,20 +386,20 @@ fn in_order(
     found.into_iter().collect()
 }
 
-/// The scenes of Table 1 that are evaluated, once more along the rows only; none but beside the
-/// vector pyramid's default.
-fn rows_only(data: &Path, options: &Options) -> anyhow::Result<Vec<RowsOnly>> {
+/// The scenes of Table 1 that are evaluated, once more over textured pixels in every way that has a mark;
+/// none but beside the vector pyramid's default.
+fn textured(data: &Path, options: &Options) -> anyhow::Result<Vec<Textured>> {
     if options.estimator == Estimator::Dense || options.has_own_matching() {
         return Ok(Vec::new());
     }
     let scenes = table_1::SCENES.into_iter();
-    let mut rows = Vec::new();
+    let mut found = Vec::new();
     for name in scenes.filter(|scene| options.wants(scene)) {
         for (scene, truth) in dense_scenes(data, &[name.to_owned()])? {
-            rows.push(RowsOnly::of(&scene, &truth).with_context(|| format!("scene {name}"))?);
+            found.extend(Textured::of(&scene, &truth).with_context(|| format!("scene {name}"))?);
         }
     }
-    Ok(rows)
+    Ok(found)
 }
 
 fn print(evaluation: &Evaluation, options: &Options) {
@@ -422,8 +423,8 @@ fn print(evaluation: &Evaluation, options: &Options) {
     if let Some(table) = score_tables::beside_table_1(scores) {
         println!("The paper's Table 1 (density of ours)\n{table}");
     }
-    if let Some(table) = rows_only::table(&evaluation.rows_only) {
-        println!("Rows only, valid, textured: mean / std, px (density)\n{table}");
+    if let Some(table) = textured_marks::table(&evaluation.textured) {
+        println!("Valid, textured: mean / std, signed mean, px (density)\n{table}");
     }
 }
 

@@ -2,8 +2,8 @@ use serde::Serialize;
 
 use crate::estimator::Estimator;
 use crate::machine::Machine;
-use crate::rows_only::RowsOnly;
 use crate::score::Score;
+use crate::textured_marks::Textured;
 
 /// One run over the scenes: what was measured, when, where and how.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -20,11 +20,12 @@ pub(crate) struct Evaluation {
     pub(crate) estimator: Estimator,
     /// One score a scene.
     pub(crate) scenes: Vec<Score>,
-    /// The scenes of Table 1 along the rows only, beside the vector pyramid's default.
-    pub(crate) rows_only: Vec<RowsOnly>,
+    /// The scenes of Table 1 over textured pixels, in every way that has a mark, beside the vector pyramid's
+    /// default.
+    pub(crate) textured: Vec<Textured>,
 }
 
 impl Evaluation {
     /// The form that this version writes.
-    pub(crate) const SCHEMA: &'static str = "dorsal-evaluation/1";
+    pub(crate) const SCHEMA: &'static str = "dorsal-evaluation/2";
 }

@@ -72,7 +72,6 @@ mod robustness_page;
 mod robustness_run;
 mod robustness_series;
 mod room_run;
-mod rows_only;
 mod scan_in_results;
 mod scan_run;
 mod score;
@@ -87,6 +86,7 @@ mod table_1_page;
 mod table_1_row;
 mod table_1_run;
 mod textured;
+mod textured_marks;
 mod vergent_run;
 mod visible;
 

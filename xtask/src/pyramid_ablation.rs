@@ -114,12 +114,27 @@ pub(crate) fn ablations() -> [Ablation; 18] {
             },
         ),
         without(
-            "filters stretched by slopes",
+            "the coarser scale's contradictions",
+            MatchParams {
+                contradictions: None,
+                ..all
+            },
+        ),
+        without(
+            "filters and medians along slopes",
             MatchParams {
                 slanted_scales: 0,
                 ..all
             },
         ),
+        without(
+            "them at the coarser scales",
+            MatchParams {
+                slanted_scales: 1,
+                ..all
+            },
+        ),
+        without("all that one warp leaves out", MatchParams::one_warp()),
         without(
             "nothing, one warp on the way back",
             MatchParams {

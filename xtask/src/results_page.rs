@@ -2,9 +2,9 @@ use std::fmt::Write;
 
 use crate::bounds;
 use crate::evaluation::Evaluation;
-use crate::rows_only;
 use crate::score_tables;
 use crate::table_1;
+use crate::textured_marks;
 
 const READING: &str = "\
 Errors are `d estimated - d true` in pixels, in the sign of files (a positive error sees too near), \
@@ -55,9 +55,9 @@ pub(crate) fn results_page(evaluation: &Evaluation) -> String {
         let reading = table_1::READING;
         let _ = write!(page, "\n## The paper's Table 1\n\n{reading}\n\n{table}");
     }
-    if let Some(table) = rows_only::table(&evaluation.rows_only) {
-        let reading = rows_only::READING;
-        let _ = write!(page, "\n## Rows only\n\n{reading}\n\n{table}");
+    if let Some(table) = textured_marks::table(&evaluation.textured) {
+        let reading = textured_marks::READING;
+        let _ = write!(page, "\n## Textured pixels\n\n{reading}\n\n{table}");
     }
     page.push_str("\n## Scenes\n");
     for score in scores {
@@ -97,7 +97,7 @@ mod tests {
             command: "cargo xtask eval-middlebury".to_owned(),
             estimator: Estimator::Vector,
             scenes: vec![made_up("venus")],
-            rows_only: Vec::new(),
+            textured: Vec::new(),
         });
         for part in [
             "2024-02-29",

@@ -36,7 +36,9 @@ pub(crate) fn coarse_to_fine(
             finer(coarser.shifts.dy.view(), &mut shifts.dy);
             if scale < params.slanted_scales {
                 let planes = (&coarser.shifts.dx, &coarser.shifts.dy);
-                shifts.slopes.measure(planes, step, u32::from(!same_grid));
+                shifts
+                    .slopes
+                    .measure(planes, step, (scale, u32::from(!same_grid)));
             } else {
                 shifts.slopes.clear();
             }

@@ -2,6 +2,7 @@ use ndarray::{Array2, Zip};
 use v1_gabor::{Binocular, GaborParams, MonogenicParams, Responses, Size, V1Responses, WrongSize};
 
 use crate::coarse_to_fine::coarse_to_fine;
+use crate::contradicted::refuse_contradicted;
 use crate::fill::fill;
 use crate::grid::Grid;
 use crate::left_right::check;
@@ -188,8 +189,18 @@ pub(crate) fn both_ways(
     } else {
         there();
     }
-    let found = &mut workspace.there.levels[0].shifts;
+    let (finest, coarser) = workspace.there.levels.split_at_mut(1);
+    let found = &mut finest[0].shifts;
     let fitted = grids[0];
+    if let (Some(least), Some(coarser)) = (params.contradictions, coarser.first()) {
+        let halvings = u32::from(grids[1].step >= fitted.step);
+        refuse_contradicted(
+            &mut found.validity,
+            &coarser.shifts.validity,
+            halvings,
+            least,
+        );
+    }
     if confidence.dim() != fitted.size.dim() {
         *confidence = Array2::zeros(fitted.size.dim());
     }

@@ -36,7 +36,8 @@ const COMPETING_COHERENCE: f32 = 0.7;
 /// Fields that compete are fitted at every pixel ([`MatchParams::sparse_scales`] counts as 0), and with
 /// [`MatchParams::least_coherence`] at most 0.7: what decides between them is how many pixels each explains,
 /// and on a repeating pattern that is a matter of a few. For the same reason their filters are not stretched and
-/// small patches count ([`MatchParams::slanted_scales`] and [`MatchParams::least_patch`] are 0 then).
+/// small patches count ([`MatchParams::slanted_scales`] and [`MatchParams::least_patch`] are 0 then,
+/// [`MatchParams::contradictions`] is `None`).
 ///
 /// # Errors
 /// [`Mismatch`] as `estimate`.
@@ -74,6 +75,7 @@ pub fn estimate_from_votes(
         params.slanted_scales = 0;
         // A wrong start is known by how few pixels it explains, and those are among them.
         params.least_patch = 0;
+        params.contradictions = None;
         params.least_coherence = params.least_coherence.min(COMPETING_COHERENCE);
     }
     let found = starts.iter().map(|&start| from(&params, Some(start)));

@@ -54,6 +54,7 @@
 //! ([`v1_gabor::MonogenicResponses`]), with fits over neighbourhoods in place of orientations.
 mod between;
 mod coarse_to_fine;
+mod contradicted;
 mod dense;
 mod disparity_field;
 mod doubled;
@@ -73,6 +74,7 @@ mod median;
 mod median_network;
 mod most_consistent;
 mod object_params;
+mod one_warp_params;
 #[cfg(target_arch = "x86_64")]
 mod pair_read;
 mod phase;

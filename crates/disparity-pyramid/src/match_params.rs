@@ -32,10 +32,11 @@ pub struct MatchParams {
     pub median_radius: MedianRadius,
     /// At how many of the finest scales the slope of the coarser scale's shifts is followed, up to
     /// 0.7 px a pixel: the right eye's filters are stretched by it, as the surface is stretched in its image, and
-    /// medians bring neighbours to the place that asks along it. Without the stretch
+    /// medians bring neighbours to the place that asks along it. At the finest scale slopes from 0.02 on
+    /// are followed, at the others from 0.15 on. Without the stretch
     /// the error of either component grows by two fifths of a pixel times its slope: 0.024 px at a slope of
-    /// 0.06, in place of 0.009 to 0.018 with 1 and 0.006 to 0.014 with all, which takes another fifth of
-    /// the time. Without the medians' part, a fifth is added to the error before rendered tables.
+    /// 0.06, in place of 0.009 to 0.018. At the finest alone, rendered tables that slant by half a pixel
+    /// a row err by 0.2 px, and by 0.11 with all scales, which takes a tenth more time.
     /// [`estimate_monogenic`](crate::estimate_monogenic) and
     /// [`estimate_population`](crate::estimate_population) do not stretch.
     pub slanted_scales: usize,
@@ -45,6 +46,11 @@ pub struct MatchParams {
     /// Weight of the coarser scale's vertical shift against the phases', relative to all of them.
     /// Eyes on one baseline see little vertical disparity, and it varies slowly.
     pub vertical_prior: f32,
+    /// Of the 3 x 3 pixels around a place at the second finest scale, how many at least have to be
+    /// [`Incoherent`](crate::Validity::Incoherent) there to take its answer at the finest away. Where the search is lost,
+    /// few answers agree with the phases at both scales by chance: with 6, such pixels of a rendered shelf
+    /// go from 630 to 30 in 270 thousand. `None` takes nothing away.
+    pub contradictions: Option<usize>,
     /// Least number of valid pixels among the 5 x 5 around a pixel without an answer of its own that
     /// make their median its answer; `None` leaves every such pixel unknown.
     pub fill_neighbours: Option<usize>,
@@ -106,10 +112,11 @@ impl Default for MatchParams {
             robust_rounds: 1,
             medians: 2,
             median_radius: MedianRadius::Two,
-            slanted_scales: 1,
+            slanted_scales: 16,
             least_coherence: 0.82,
             vertical_prior: 0.1,
-            fill_neighbours: Some(12),
+            contradictions: Some(6),
+            fill_neighbours: Some(11),
             left_right_px: Some(1.5),
             look_back_scale: 1,
             look_back_warps: 2,
@@ -137,6 +144,7 @@ impl MatchParams {
             median_radius: MedianRadius::One,
             least_coherence: -1.0,
             vertical_prior: 0.0,
+            contradictions: None,
             fill_neighbours: None,
             left_right_px: None,
             least_patch: 0,

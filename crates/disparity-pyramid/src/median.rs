@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use v1_gabor::Size;
 
 use crate::median_network::{median_of_5_columns, median_of_9, median_of_25, sorted_5};
-use crate::slopes::Slopes;
+use crate::slopes::{RowSlopes, Slopes};
 use crate::vector::{store, vector};
 use crate::{MedianRadius, Validity};
 
@@ -249,19 +249,15 @@ fn note_known(numbers: &[f32], known: &mut [Known]) {
 /// The trend along one row.
 #[derive(Clone, Copy)]
 struct RowTrend<'a> {
-    gradients: &'a [[f32; 4]],
-    /// By how much a column's number is to be shifted to index them.
-    halvings: u32,
+    slopes: RowSlopes<'a>,
     first: usize,
     step: f32,
 }
 
 impl<'a> Trend<'a> {
     fn of_row(&self, y: usize) -> Option<RowTrend<'a>> {
-        let (gradients, halvings) = self.slopes.of_row(y)?;
         Some(RowTrend {
-            gradients,
-            halvings,
+            slopes: self.slopes.of_row(y)?,
             first: self.first,
             step: self.step,
         })
@@ -270,17 +266,19 @@ impl<'a> Trend<'a> {
 
 impl RowTrend<'_> {
     /// By how much a component grows from one column to the next, and from one row to the next, at
-    /// the pixels that a vector holds, the first one being in column `x`.
+    /// the pixels that a vector holds, the first one being in column `x`; `None` if it grows at none.
     #[inline(always)]
-    fn at<S: Simd>(&self, simd: S, x: usize) -> [S::f32s; 2] {
-        let mut slopes = [[0.0; MOST_LANES]; 2];
-        let last = self.gradients.len() - 1;
-        for i in 0..S::F32_LANES {
-            let gradient = &self.gradients[((x + i) >> self.halvings).min(last)];
-            slopes[0][i] = gradient[self.first] * self.step;
-            slopes[1][i] = gradient[self.first + 1] * self.step;
+    fn at<S: Simd>(&self, simd: S, x: usize) -> Option<[S::f32s; 2]> {
+        if !self.slopes.are_followed(x, S::F32_LANES) {
+            return None;
         }
-        [vector(simd, &slopes[0], 0), vector(simd, &slopes[1], 0)]
+        let step = simd.splat_f32s(self.step);
+        Some([0, 1].map(|along| {
+            let mut slopes = [0.0; MOST_LANES];
+            self.slopes
+                .copy(self.first + along, x, &mut slopes[..S::F32_LANES]);
+            simd.mul_f32s(vector(simd, &slopes, 0), step)
+        }))
     }
 }
 
@@ -357,8 +355,7 @@ impl Row<'_> {
         corner: usize,
         mut window: [S::f32s; N],
     ) -> [S::f32s; N] {
-        if let Some(trend) = self.trend {
-            let [along_x, along_y] = trend.at(simd, corner);
+        if let Some([along_x, along_y]) = self.trend.and_then(|trend| trend.at(simd, corner)) {
             let middle = (SIDE / 2) as f32;
             for y in 0..SIDE {
                 let rows = simd.splat_f32s(middle - y as f32);
@@ -525,7 +522,7 @@ mod tests {
             Array2::from_shape_fn((15, 23), |(y, x)| along_x * x as f32 + along_y * y as f32);
         let level = Array2::zeros((15, 23));
         let mut slopes = Slopes::default();
-        slopes.measure((&coarse, &level), 1, 1);
+        slopes.measure((&coarse, &level), 1, (0, 1));
         let plane =
             Array2::from_shape_fn(size.dim(), |(y, x)| along_x * x as f32 + along_y * y as f32);
         let validity = Array2::from_shape_fn(size.dim(), |(y, x)| {

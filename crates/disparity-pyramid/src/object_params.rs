@@ -16,6 +16,7 @@ impl MatchParams {
             left_right_px: Some(1.0),
             // A thing may be smaller than any patch that could be asked for.
             least_patch: 0,
+            contradictions: None,
             ..Self::default()
         }
     }

@@ -4,10 +4,12 @@ use rayon::prelude::*;
 use v1_gabor::Size;
 
 use crate::shifts::Shifts;
+use crate::slopes::STEEPEST;
 use crate::{DisparityField, ShiftCovariance, Validity};
 
-/// Shifts of neighbours no further apart than this, in pixels, are one surface's.
-const ONE_SURFACE_PX: f32 = 0.5;
+/// Shifts of neighbours no further apart than this, in pixels, are one surface's: a little more than
+/// the steepest one grows by between them, as they are two pixels from each other.
+const ONE_SURFACE_PX: f32 = 2.0 * STEEPEST + 0.1;
 
 const CONTIGUOUS: &str = "planes are made in row-major order";
 

@@ -96,11 +96,6 @@ pub(crate) struct LookOptions {
     #[arg(long)]
     pub(crate) rows_only: bool,
 
-    /// Stretch filters along the slopes that are found at every scale, in place of the finest alone:
-    /// slanted planes come out a little better; a fifth more time
-    #[arg(long)]
-    pub(crate) slants: bool,
-
     /// Unhear what lies near a phase singularity of either eye, at 1.25 strictly, at 1.75 leniently;
     /// without it every response above the threshold is heard
     #[arg(long, value_name = "TAU", value_parser = tau)]
@@ -231,11 +226,6 @@ impl LookOptions {
                 // The command line speaks the sign of files.
                 zero_disparity_px: (0.0 - self.zero_disparity.unwrap_or(0.0), 0.0),
                 rows_only: self.rows_only,
-                slanted_scales: if self.slants {
-                    gabor.scales
-                } else {
-                    steps.slanted_scales
-                },
                 singularity_tau: self.singularity_tau,
                 // The look writes it.
                 covariance: true,

@@ -89,6 +89,7 @@ pub(crate) struct Matching {
     look_back_warps: usize,
     rows_only: bool,
     slanted_scales: usize,
+    contradictions: Option<usize>,
     singularity_tau: Option<f32>,
 }
 
@@ -229,6 +230,7 @@ impl Matching {
             look_back_warps: params.look_back_warps,
             rows_only: params.rows_only,
             slanted_scales: params.slanted_scales,
+            contradictions: params.contradictions,
             singularity_tau: params.singularity_tau,
         }
     }

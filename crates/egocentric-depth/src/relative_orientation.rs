@@ -72,6 +72,10 @@ impl OrientationParams {
             sparse_scales: 0,
             finest_warps: 2,
             least_patch: 0,
+            // A fit outvotes what is wrong, and asks for answers from everywhere in the picture.
+            slanted_scales: 1,
+            contradictions: None,
+            fill_neighbours: Some(12),
             ..MatchParams::default()
         }
     }
