@@ -72,12 +72,16 @@ impl Eye {
 
     fn of_luma(name: &str, luma: Array2<f32>) -> PyResult<Self> {
         let luma = LumaImage::new(luma).map_err(|why| value_error(format!("{name}: {why}")))?;
-        match luma.plane().iter().find(|luma| luma.abs() > MOST_LUMA) {
-            Some(most) => Err(value_error(format!(
-                "{name} holds {most}; floats are luma from 0 (black) to 1 (white): divide by the largest code"
-            ))),
-            None => Ok(Self::Luma(luma)),
+        // A fold without a way out walks whole registers; a search would look at sample after sample.
+        let most = luma
+            .plane()
+            .fold(0.0, |most: f32, luma| most.max(luma.abs()));
+        if most > MOST_LUMA {
+            return Err(value_error(format!(
+                "{name} reaches {most}; floats are luma from 0 (black) to 1 (white): divide by the largest code"
+            )));
         }
+        Ok(Self::Luma(luma))
     }
 
     pub(crate) const fn luma(&self) -> &LumaImage {

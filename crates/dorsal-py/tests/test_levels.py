@@ -102,3 +102,15 @@ def test_composition():
 def test_matplotlib_is_not_imported():
     code = "import dorsal, sys; sys.exit('matplotlib' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_a_plot_needs_matplotlib(small_pair, tmp_path):
+    look = dorsal.look(*small_pair)
+    try:
+        import matplotlib  # noqa: F401
+    except ImportError:
+        with pytest.raises(ImportError, match="pip install matplotlib"):
+            dorsal.plot(look)
+    else:
+        dorsal.plot(look, small_pair[0], path=tmp_path / "look.png")
+        assert (tmp_path / "look.png").stat().st_size > 1000

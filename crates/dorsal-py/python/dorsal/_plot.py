@@ -13,12 +13,13 @@ __all__ = ["plot"]
 
 
 def plot(look: Look, left: Any = None, *, path: Any = None) -> Any:
-    """Draws a look side by side: the left picture with its objects, disparity, and depth if there is one.
+    """Draws a look side by side: the left picture with its objects, disparity, and depth if there is one; grey is unknown.
 
     ``left`` is the left picture as it was given to :func:`dorsal.look`. With ``path`` the figure is written there.
     Returns Matplotlib's ``Figure``. Needs ``pip install matplotlib``.
     """
     try:
+        from matplotlib import colormaps
         from matplotlib.figure import Figure
     except ImportError as why:
         raise ImportError("dorsal.plot draws with Matplotlib: pip install matplotlib") from why
@@ -32,14 +33,16 @@ def plot(look: Look, left: Any = None, *, path: Any = None) -> Any:
         axes.set_axis_off()
         if title == "left":
             axes.imshow(plane, cmap=colours)
+            beneath = {"facecolor": "black", "alpha": 0.5, "edgecolor": "none", "pad": 1}
             for thing in look.objects:
                 words = f"{thing.name}\n{thing.distance_m:.2f} m"
-                axes.annotate(words, thing.pixel, color="white", ha="center", va="center", fontsize=7)
+                x, y = thing.pixel
+                axes.text(x, y, words, color="white", ha="center", va="center", fontsize=6, bbox=beneath)
             continue
         known = plane[np.isfinite(plane)]
         least, most = np.percentile(known, [1, 99]) if known.size else (0.0, 1.0)
-        axes.set_facecolor("0.5")
-        image = axes.imshow(plane, cmap=colours, vmin=least, vmax=most)
+        grey_where_unknown = colormaps[colours].with_extremes(bad="0.6")
+        image = axes.imshow(plane, cmap=grey_where_unknown, vmin=least, vmax=most)
         figure.colorbar(image, ax=axes, shrink=0.8)
     if path is not None:
         figure.savefig(path, dpi=120)
