@@ -19,12 +19,12 @@ pub(crate) fn read_picture(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, 
     Ok(rgb.into_pyarray(py))
 }
 
+/// A label image and what its labels are called.
+type NamedLabels<'py> = (Bound<'py, PyArray2<u16>>, BTreeMap<u16, String>);
+
 /// Labels `uint16` and their names, of a TOML of outlines or a PNG whose samples are labels.
 #[pyfunction]
-pub(crate) fn read_labels(
-    py: Python<'_>,
-    path: PathBuf,
-) -> PyResult<(Bound<'_, PyArray2<u16>>, BTreeMap<u16, String>)> {
+pub(crate) fn read_labels(py: Python<'_>, path: PathBuf) -> PyResult<NamedLabels<'_>> {
     let outlines = path
         .extension()
         .is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
