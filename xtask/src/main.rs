@@ -89,6 +89,7 @@ mod textured;
 mod textured_marks;
 mod vergent_run;
 mod visible;
+mod wheel;
 
 use std::process::ExitCode;
 
@@ -127,6 +128,7 @@ enum Task {
     EvalScan(eval_scan::Options),
     EvalVergent(eval_vergent::Options),
     PopulationPictures(population_pictures::Options),
+    Wheel(wheel::Options),
 }
 
 fn main() -> ExitCode {
@@ -152,6 +154,7 @@ fn main() -> ExitCode {
         Task::EvalScan(options) => eval_scan::run(&options),
         Task::EvalVergent(options) => eval_vergent::run(&options),
         Task::PopulationPictures(options) => population_pictures::run(&options),
+        Task::Wheel(options) => wheel::run_task(&options),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
