@@ -12,7 +12,7 @@ pub(crate) struct Ablation {
 /// The default first, then each ingredient off in turn, then all of them: the paper's own steps. Last
 /// what neither has: the test for singularities, the search along rows and stretched filters; and with a
 /// quicker way back.
-pub(crate) fn ablations() -> [Ablation; 18] {
+pub(crate) fn ablations() -> [Ablation; 21] {
     let all = MatchParams::default();
     let singularity_tau = Some(1.75);
     let without = |without, params| Ablation { without, params };
