@@ -11,7 +11,8 @@
 //! 5. a median;
 //! 6. hyperacuity: the phases that remain move the shift by less than a pixel;
 //! 7. surface cells: a slanted plane about each pixel;
-//! 8. confidence.
+//! 8. where surfaces meet, colours say which of them a pixel is on;
+//! 9. confidence.
 mod aggregate;
 mod bands;
 mod bank_rows;
@@ -39,6 +40,7 @@ mod search_range;
 mod search_windows;
 mod slanted_cells;
 mod step_penalty;
+mod surface_choice;
 mod voting;
 mod wide;
 mod winner;

@@ -119,6 +119,7 @@ struct DenseMatching {
     median: bool,
     acuity: &'static str,
     surface_radius: usize,
+    choice_radius: usize,
 }
 
 #[derive(Debug, Serialize)]
@@ -280,6 +281,7 @@ impl DenseMatching {
                 Acuity::TwoBanks => "two banks",
             },
             surface_radius: params.surface_radius,
+            choice_radius: params.choice_radius,
         })
     }
 }

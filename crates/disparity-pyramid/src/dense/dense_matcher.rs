@@ -17,6 +17,7 @@ use crate::dense::pixel_cost::PixelCost;
 use crate::dense::search_range::SearchRange;
 use crate::dense::slanted_cells::fit_surfaces;
 use crate::dense::step_penalty::StepPenalty;
+use crate::dense::surface_choice::choose_surfaces;
 use crate::dense::voting::vote;
 use crate::speckles::reject_speckles;
 use crate::{DisparityField, MedianRadius, Validity};
@@ -182,11 +183,22 @@ impl DenseMatcher {
             sharpen(&mut field.dx, banks, lumas, gates, room)?;
         }
         let surfaces = self.params.surface_radius > 0;
-        let moved = surfaces.then(|| {
+        let mut moved = surfaces.then(|| {
             let trust = trust(&field.validity, coherence);
             let radius = self.params.surface_radius;
             fit_surfaces(&mut field.dx, trust.view(), &guides.left, radius)
         });
+        if self.params.choice_radius > 0 {
+            let moved = moved.get_or_insert_with(|| Array2::zeros(self.size.dim()));
+            choose_surfaces(
+                (&mut field.dx, moved),
+                field.validity.view(),
+                ranges,
+                &guides.left,
+                search,
+                self.params.choice_radius,
+            );
+        }
         fit(&mut field.confidence, self.size, 0.0);
         let evidence = Evidence {
             validity: field.validity.view(),

@@ -43,6 +43,10 @@ pub struct DenseParams {
     /// Half-width in pixels of the surface cells that fit a slanted plane about each pixel; 0 fits
     /// none.
     pub surface_radius: usize,
+    /// Half-width in pixels of the neighbourhood whose colours say, where two surfaces meet, which of
+    /// them a pixel is on; 0 leaves depth edges where the filters see them, which is a little beyond the
+    /// end of what has more contrast.
+    pub choice_radius: usize,
 }
 
 /// What is compared at a pixel and a shift.
@@ -94,11 +98,12 @@ impl DenseParams {
             median: true,
             acuity: Acuity::TwoBanks,
             surface_radius: 13,
+            choice_radius: 9,
         }
     }
 
     /// For robots: one aggregation for both eyes, one bank for hyperacuity, grey guides, neither votes
-    /// nor surface cells.
+    /// nor surface cells nor a choice of surfaces.
     #[must_use]
     pub const fn fast() -> Self {
         Self {
@@ -113,6 +118,7 @@ impl DenseParams {
             votes: 0,
             acuity: Acuity::CostBank,
             surface_radius: 0,
+            choice_radius: 0,
             ..Self::best()
         }
     }
@@ -140,6 +146,7 @@ impl DenseParams {
             votes: 0,
             acuity: Acuity::Parabola,
             surface_radius: 0,
+            choice_radius: 0,
             least_patch: self.least_patch / 4,
             ..self
         }
@@ -192,6 +199,13 @@ impl DenseParams {
         within(
             "surface_radius",
             self.surface_radius as f32,
+            0.0,
+            64.0,
+            "from 0 to 64",
+        )?;
+        within(
+            "choice_radius",
+            self.choice_radius as f32,
             0.0,
             64.0,
             "from 0 to 64",
