@@ -35,7 +35,9 @@ impl fmt::Display for FreePath {
                 let names: Vec<&str> = by.iter().map(ObjectId::as_str).collect();
                 write!(f, "blocked by {}", names.join(", "))
             }
-            Self::Unknown { at_m: [x, z] } => write!(f, "not known to be free at ({x:.2}, {z:.2}) m"),
+            Self::Unknown { at_m: [x, z] } => {
+                write!(f, "not known to be free at ({x:.2}, {z:.2}) m")
+            }
         }
     }
 }

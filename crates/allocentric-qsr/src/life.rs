@@ -46,6 +46,21 @@ impl Life {
             Self::Removed => "removed",
         }
     }
+
+    /// The words of sentences.
+    #[must_use]
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Tentative => "tentative",
+            Self::Confirmed => "believed",
+            Self::InView => "in view",
+            Self::OutOfView => "out of view",
+            Self::Occluded => "hidden",
+            Self::Stale => "not seen for long",
+            Self::Missing => "missing",
+            Self::Removed => "removed",
+        }
+    }
 }
 
 impl fmt::Display for Life {

@@ -34,7 +34,10 @@ impl SceneMemory {
                 .map_or(Evidence::OutOfView, |place| evidence.of(&name, place));
             let (missing_after, removed_after) =
                 (self.params.missing_after, self.params.removed_after);
-            let trusts = self.objects.get(&name).is_some_and(|kept| self.trusts(kept.last_look));
+            let trusts = self
+                .objects
+                .get(&name)
+                .is_some_and(|kept| self.trusts(kept.last_look));
             let Some(kept) = self.objects.get_mut(&name) else {
                 continue;
             };

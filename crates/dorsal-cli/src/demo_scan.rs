@@ -5,7 +5,8 @@ use anyhow::{Context as _, bail};
 use dorsal::Names;
 use dorsal::allocentric_qsr::SceneMemory;
 use dorsal_scan::{
-    Asked, Fixation, HeadErrors, LAST_LOOKS, Scan, ScanParams, TruePlaces, ask_all, figure_12, knows_figure_12,
+    Asked, Fixation, HeadErrors, LAST_LOOKS, Scan, ScanParams, TruePlaces, ask_all, figure_12,
+    knows_figure_12,
 };
 use stereo_formats::{picture, rig_toml};
 use stereo_scenes::Room;

@@ -197,10 +197,16 @@ impl Attention {
         let things: Vec<(&ObjectId, &MemoryObject, [f64; 2], u64)> = things.collect();
         let fixations = things.iter().filter_map(|&(name, kept, at, looks)| {
             let rig = aim(at)?;
-            let shown = things.iter().filter(|(.., at, _)| shows(&rig, size, *at, down_m));
+            let shown = things
+                .iter()
+                .filter(|(.., at, _)| shows(&rig, size, *at, down_m));
             let gain: u64 = shown.map(|(.., looks)| looks).sum();
             let height_m = f64::from(kept.height_mm) / 1e3;
-            (looks > 0).then_some((self.is_vain(name), gain, (name.clone(), at, height_m, looks)))
+            (looks > 0).then_some((
+                self.is_vain(name),
+                gain,
+                (name.clone(), at, height_m, looks),
+            ))
         });
         // What two looks have not found comes last; of equal gains the first is taken.
         let best = fixations.min_by_key(|(vain, gain, _)| (*vain, std::cmp::Reverse(*gain)))?;

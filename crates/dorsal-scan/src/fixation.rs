@@ -80,7 +80,10 @@ impl fmt::Display for Why {
             }
             Self::Unplaced { object } => write!(f, "seen, but how far: {object}"),
             Self::LongUnseen { object, looks } => {
-                write!(f, "is it still there: {object}, not placed by {looks} looks")
+                write!(
+                    f,
+                    "is it still there: {object}, not placed by {looks} looks"
+                )
             }
             Self::OnTheWay { to } => write!(f, "asked for: the hand's way to {to}"),
             Self::Without { shown, hidden } => write!(f, "at {shown}, with {hidden} out of view"),

@@ -72,7 +72,7 @@ impl Default for ScanParams {
                 // A ball of 2.7 cm radius above the stand by 1.3 cm: lower things are noticed as
                 // objects or not at all.
                 above_ground_mm: 40,
-                // So long ago the last rounds of the table began.
+                // With the looks that make sure at the end, two rounds of a table.
                 trusted_looks: 6,
                 ..MemoryParams::default()
             },

@@ -1,7 +1,9 @@
 //! A scan of a small room: the map at the end holds the truth, calls nothing clear that is not, and is
 //! the same for the same seed.
 use dorsal::allocentric_qsr::{FreePath, Life};
-use dorsal_scan::{LAST_LOOKS, Scan, ScanParams, Why, ask_all, figure_12, hand_way, knows_figure_12};
+use dorsal_scan::{
+    LAST_LOOKS, Scan, ScanParams, Why, ask_all, figure_12, hand_way, knows_figure_12,
+};
 use stereo_scenes::Room;
 
 /// The built-in room in pictures of a quarter of its pixels.
