@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, bail};
 use clap::Args;
-use dorsal_scan::{Scan, ScanParams, figure_12, random_room};
+use dorsal_scan::{LAST_LOOKS, Scan, ScanParams, figure_12, random_room};
 
 use crate::clocked::clocked;
 use crate::date;
@@ -93,6 +93,15 @@ fn scan(room: u64, fixations: usize) -> anyhow::Result<Scanned> {
         moved = moved.or_else(|| stirred.clone());
         let shown = scan.show(&fixation)?;
         let (look, clocked) = clocked(|| scan.perceive(shown, stirred));
+        times.push(clocked);
+        refused += usize::from(look?.refused.is_some());
+    }
+    for _ in 0..LAST_LOOKS {
+        let Some(fixation) = scan.make_sure() else {
+            break;
+        };
+        let shown = scan.show(&fixation)?;
+        let (look, clocked) = clocked(|| scan.perceive(shown, None));
         times.push(clocked);
         refused += usize::from(look?.refused.is_some());
     }

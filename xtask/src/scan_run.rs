@@ -1,6 +1,6 @@
 use std::fmt;
 
-use dorsal_scan::{Pairs, Score, Ways};
+use dorsal_scan::{LAST_LOOKS, Pairs, ScanParams, Score, Ways};
 use serde::Serialize;
 
 use crate::clocked::Clocked;
@@ -269,9 +269,11 @@ impl fmt::Display for ScanRun {
              what is least sure (`crates/dorsal-scan`). Noise of a hundredth of white and eight bits; \
              encoders of 0.05 degrees, a right eye that has slipped by half a degree about two axes, lenses \
              that differ from their calibration: all of it found out by every look from its own two \
-             pictures. Half way one thing is moved by 30 cm. At the end the way of a hand to a thing is \
-             asked for, and at most three more looks, by the dense estimator too, go where it was never \
-             seen free. Labels are the room's own, for the *what* stream is not ours.\n\n\
+             pictures. Half way one thing is moved by 30 cm. After the fixations {} more go where things were \
+             not seen for longest; then the way of a hand to a thing is asked for, and at most three more \
+             looks, by the dense estimator too, go where it is not known to be free. The map vouches for what \
+             the last {} looks and this one have shown: objects not seen since are stale, and count as missed, ground is not free. \
+             Labels are the room's own, for the *what* stream is not ours.\n\n\
              The map at the end is held against the room. **True** is where a perfect observer at the \
              head's place sees the middle of a thing's surface; an answer about an ordered pair is right \
              if the true class, or label, is among those it leaves. Intervals of three standard errors may \
@@ -288,6 +290,8 @@ impl fmt::Display for ScanRun {
              ## Rooms\n\n{}",
             self.rooms.len(),
             self.fixations,
+            LAST_LOOKS,
+            ScanParams::default().memory.trusted_looks,
             100.0 * Score::MISCOVERAGE,
             self.summary(),
             objects - found,

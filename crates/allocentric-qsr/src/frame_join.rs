@@ -189,7 +189,7 @@ impl SceneMemory {
 
     fn join(&self, from: u32, to: u32) -> Option<FrameJoin> {
         let landmarks = self.objects.iter().filter_map(|(name, kept)| {
-            let believed = !matches!(kept.life, Life::Missing | Life::Removed);
+            let believed = !matches!(kept.life, Life::Stale | Life::Missing | Life::Removed);
             let places = kept.places.get(&from).zip(kept.places.get(&to));
             let (p, q) = places.filter(|_| believed)?;
             Some((name.clone(), *p, *q))

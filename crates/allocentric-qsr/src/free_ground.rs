@@ -2,6 +2,7 @@
 
 use std::f64::consts::SQRT_2;
 
+use crate::life::Life;
 use crate::look_evidence::{AskedPlace, Evidence, LookEvidence};
 use crate::memory_change::Change;
 use crate::scene_memory::SceneMemory;
@@ -40,14 +41,36 @@ impl SceneMemory {
                 radius_m: 0.0,
             };
             match evidence.at(place) {
-                Evidence::FreeSpace if self.free.len() < self.params.most_cells => {
-                    self.free.insert((column, row));
+                Evidence::FreeSpace
+                    if self.free.len() < self.params.most_cells
+                        || self.free.contains_key(&(column, row)) =>
+                {
+                    self.free.insert((column, row), self.looks);
                 }
                 Evidence::Taken => {
                     self.free.remove(&(column, row));
                 }
                 _ => {}
             }
+        }
+    }
+
+    /// The squares that count as free: those seen free of late ([`MemoryParams::trusted_looks`]), and since the
+    /// last sighting of everything that the memory has lost. What is not where it was may stand
+    /// on any ground that nobody has looked at since it was seen there.
+    ///
+    /// [`MemoryParams::trusted_looks`]: crate::MemoryParams::trusted_looks
+    pub(crate) fn trusted_ground(&self) -> impl Fn((i32, i32)) -> bool + '_ {
+        let lost = self
+            .objects
+            .values()
+            .filter(|kept| matches!(kept.life, Life::Missing | Life::Removed));
+        let lost_since = lost.map(|kept| kept.last_look).max();
+        move |square| {
+            let seen = self.free.get(&square);
+            seen.is_some_and(|&look| {
+                self.trusts(look) && lost_since.is_none_or(|lost_since| look > lost_since)
+            })
         }
     }
 

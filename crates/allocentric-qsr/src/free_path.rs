@@ -11,14 +11,15 @@ use crate::{ObjectId, Observer};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "path", rename_all = "snake_case")]
 pub enum FreePath {
-    /// Every square of the way has been seen free, and no remembered object can reach into it.
+    /// Every square of the way has been seen free, lately and since anything was lost, and no remembered object can reach into it.
     Clear,
     /// These objects may stand in the way, by name.
     Blocked {
         /// The objects.
         by: Vec<ObjectId>,
     },
-    /// Nothing known stands in the way, but part of it was never seen free.
+    /// Nothing known stands in the way, but part of it was never seen free, or too long ago: before the
+    /// looks for which the world is trusted, or before something was lost that may stand there now.
     Unknown {
         /// The middle of the first such square from the start, `[x, z]` in the map frame, in
         /// metres.
@@ -34,7 +35,9 @@ impl fmt::Display for FreePath {
                 let names: Vec<&str> = by.iter().map(ObjectId::as_str).collect();
                 write!(f, "blocked by {}", names.join(", "))
             }
-            Self::Unknown { at_m: [x, z] } => write!(f, "never seen free at ({x:.2}, {z:.2}) m"),
+            Self::Unknown { at_m: [x, z] } => {
+                write!(f, "not known to be free at ({x:.2}, {z:.2}) m")
+            }
         }
     }
 }
@@ -79,7 +82,6 @@ impl SceneMemory {
     }
 
     fn end(&self, end: &Observer, radius_m: f64) -> Option<End> {
-        let sigmas = self.params.qualify.sigmas;
         match end {
             Observer::Robot => Some(End {
                 at: [self.robot.pose().x_m(), self.robot.pose().z_m()],
@@ -92,18 +94,20 @@ impl SceneMemory {
             Observer::Object(object) => {
                 let place = self.here(object)?;
                 let [[xx, _], [_, zz]] = place.covariance_m2();
+                let unsure_m = self.params.qualify.sigmas * xx.max(zz).sqrt();
                 let radius = f64::from(self.objects.get(object)?.radius_mm) / 1e3;
-                Some(End {
-                    at: place.position_m(),
-                    own_m: radius + sigmas * xx.max(zz).sqrt(),
-                })
+                let at = place.position_m();
+                // Not all ground that it may cover, which may be another's too. Who is wider than a ring as
+                // wide as the traveller reaches out of it, onto ground that must have been seen free.
+                let own_m = radius + unsure_m.min(radius_m);
+                Some(End { at, own_m })
             }
         }
     }
 
-    /// The first square of the way that was never seen free. Where the traveller stands at a place that
-    /// is told, and the ground that the object at an end may cover, need not have been; ground beside
-    /// that object must, for another may stand there.
+    /// The first square of the way that does not count as free. Where the traveller stands at a place that
+    /// is told, and the ground that the object at an end covers where it is believed, need not have been; ground
+    /// beside that must, for another may stand there.
     fn unseen_square(&self, ends: &[End; 2], radius_m: f64) -> Option<[f64; 2]> {
         let line = [ends[0].at, ends[1].at];
         let side = f64::from(self.params.cell_mm) / 1e3;
@@ -115,13 +119,14 @@ impl SceneMemory {
             let high = line[0][axis].max(line[1][axis]) + reach;
             (low / side).floor() as i32..=(high / side).floor() as i32
         };
+        let free = self.trusted_ground();
         let mut first: Option<(f64, [f64; 2])> = None;
         for column in squares(0) {
             for row in squares(1) {
                 let centre = [self.centre_m(column), self.centre_m(row)];
                 let own = |end: &End| distance(centre, end.at) <= end.own_m + corner;
                 let on_the_way = point_to_line(centre, line) <= reach;
-                if on_the_way && !ends.iter().any(own) && !self.free.contains(&(column, row)) {
+                if on_the_way && !ends.iter().any(own) && !free((column, row)) {
                     let away = distance(centre, line[0]);
                     if first.is_none_or(|(nearest, _)| away < nearest) {
                         first = Some((away, centre));

@@ -4,9 +4,11 @@ use serde::{Deserialize, Serialize};
 
 /// Where in its life a remembered object is.
 ///
-/// `Tentative -> Confirmed -> InView | OutOfView | Occluded -> Missing -> Removed`. A sighting leads
+/// `Tentative -> Confirmed -> InView | OutOfView | Occluded -> Stale -> Missing -> Removed`. A sighting leads
 /// back from anywhere; free space seen where the object should be leads on, and so does the object seen
-/// elsewhere; nothing else does, so an object that is merely out of view stays as long as the memory.
+/// elsewhere. Nothing else makes an object missing: one that is merely out of view stays as long as the
+/// memory, stale where the memory trusts the world for so many looks only
+/// ([`MemoryParams::trusted_looks`](crate::MemoryParams::trusted_looks)).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Life {
@@ -21,6 +23,8 @@ pub enum Life {
     OutOfView,
     /// Behind something in the last look.
     Occluded,
+    /// Not seen for longer than the world is trusted to keep still: it was there, and may have been moved.
+    Stale,
     /// Free space is where it should be, or it was seen elsewhere, too dimly to say where.
     Missing,
     /// Gone: a tombstone, which keeps the name, the last place and when it was given up.
@@ -37,6 +41,22 @@ impl Life {
             Self::InView => "in_view",
             Self::OutOfView => "out_of_view",
             Self::Occluded => "occluded",
+            Self::Stale => "stale",
+            Self::Missing => "missing",
+            Self::Removed => "removed",
+        }
+    }
+
+    /// The words of sentences.
+    #[must_use]
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Tentative => "tentative",
+            Self::Confirmed => "believed",
+            Self::InView => "in view",
+            Self::OutOfView => "out of view",
+            Self::Occluded => "hidden",
+            Self::Stale => "not seen for long",
             Self::Missing => "missing",
             Self::Removed => "removed",
         }

@@ -63,7 +63,9 @@ impl fmt::Display for Change {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Appeared { object } => write!(f, "{object} appeared"),
-            Self::Became { object, from, to } => write!(f, "{object} was {from}, is {to}"),
+            Self::Became { object, from, to } => {
+                write!(f, "{object} was {}, is {}", from.words(), to.words())
+            }
             Self::Moved { object, epoch } => write!(f, "{object} moved ({epoch})"),
             Self::NewFrame { frame } => write!(f, "the pose was lost: map frame {frame} opens"),
             Self::Told { fact } => write!(f, "told: {fact}"),

@@ -33,6 +33,11 @@ pub struct MemoryParams {
     /// as an object or not at all.
     #[serde(default = "above_ground_mm")]
     pub above_ground_mm: u32,
+    /// For how many looks the world is trusted to keep still; 0 for ever. An object that was not seen for
+    /// longer is [`Life::Stale`](crate::Life::Stale), and ground that was not is no longer called free: a memory
+    /// cannot know what was moved where nobody looked.
+    #[serde(default)]
+    pub trusted_looks: u32,
     /// The most squares kept.
     pub most_cells: usize,
     /// The most tombstones kept; the oldest go first.
@@ -67,6 +72,7 @@ impl Default for MemoryParams {
             cell_mm: 100,
             ground_mm: 2500,
             above_ground_mm: above_ground_mm(),
+            trusted_looks: 0,
             most_cells: 100_000,
             most_tombstones: 1000,
             most_changes: 1000,

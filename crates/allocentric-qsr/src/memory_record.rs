@@ -54,8 +54,16 @@ struct MemoryRecord {
     objects: BTreeMap<ObjectId, MemoryObject>,
     facts: Vec<FactRecord>,
     changes: Vec<Dated>,
-    /// Runs of free squares: row, first column, one past the last.
-    free: Vec<[i32; 3]>,
+    free: Vec<RunRecord>,
+}
+
+/// A run of squares seen free as data: row, first column, one past the last, and the look that saw them free last.
+#[derive(Serialize, Deserialize)]
+#[serde(untagged)]
+enum RunRecord {
+    Seen(i32, i32, i32, u64),
+    /// Of a memory that did not keep when.
+    Undated(i32, i32, i32),
 }
 
 /// A told fact as data, in labels.
@@ -96,26 +104,27 @@ impl SceneMemory {
             objects: self.objects.clone(),
             facts: facts.collect(),
             changes: self.changes.iter().cloned().collect(),
-            free: self.free_ground(),
+            free: self.free_record(),
         };
         serde_json::to_string(&record).expect("maps of strings and numbers have a form in JSON")
     }
 
-    /// The squares of ground of the present frame that were seen free, in runs along x: row, first
-    /// column and one past the last, of squares of [`MemoryParams::cell_mm`]; row 0 begins at z = 0,
-    /// column 0 at x = 0.
+    /// The squares of ground of the present frame that count as free, seen so lately and since anything
+    /// was lost, in runs along x: row, first column and one past the last, of squares of
+    /// [`MemoryParams::cell_mm`]; row 0 begins at z = 0, column 0 at x = 0.
     #[must_use]
     pub fn free_ground(&self) -> Vec<[i32; 3]> {
-        let mut squares: Vec<(i32, i32)> = self.free.iter().map(|&(x, z)| (z, x)).collect();
-        squares.sort_unstable();
-        let mut runs: Vec<[i32; 3]> = Vec::new();
-        for (row, column) in squares {
-            match runs.last_mut() {
-                Some([at, _, end]) if *at == row && *end == column => *end += 1,
-                _ => runs.push([row, column, column + 1]),
-            }
-        }
-        runs
+        let free = self.trusted_ground();
+        let squares = self.free.keys().filter(|square| free(**square));
+        let runs = runs(squares.map(|&(x, z)| (z, x, 0)));
+        runs.map(|(row, from, to, _)| [row, from, to]).collect()
+    }
+
+    fn free_record(&self) -> Vec<RunRecord> {
+        let squares = self.free.iter().map(|(&(x, z), &look)| (z, x, look));
+        let runs = runs(squares);
+        runs.map(|(row, from, to, look)| RunRecord::Seen(row, from, to, look))
+            .collect()
     }
 
     /// Reads a memory, of this schema or the older one of an [`AllocentricMap`], whose objects
@@ -188,11 +197,16 @@ impl MemoryRecord {
             let depth = depth.ok_or(BadMemory::Fact(a, b))?;
             facts.push(ToldFact { between, depth });
         }
-        let free = self.free.into_iter().flat_map(|[row, from, to]| {
+        let looks = self.looks;
+        let free = self.free.into_iter().flat_map(|run| {
+            let (row, from, to, look) = match run {
+                RunRecord::Seen(row, from, to, look) => (row, from, to, look.min(looks)),
+                RunRecord::Undated(row, from, to) => (row, from, to, 0),
+            };
             // A run longer than a memory may hold is cut.
             (from..to)
                 .take(params.most_cells)
-                .map(move |column| (column, row))
+                .map(move |column| ((column, row), look))
         });
         let memory = SceneMemory {
             reference: self.reference,
@@ -216,6 +230,22 @@ impl MemoryRecord {
             ..memory
         })
     }
+}
+
+/// Squares as `(row, column, look)` in runs `(row, first column, one past the last, look)`.
+fn runs(
+    squares: impl Iterator<Item = (i32, i32, u64)>,
+) -> impl Iterator<Item = (i32, i32, i32, u64)> {
+    let mut squares: Vec<(i32, i32, u64)> = squares.collect();
+    squares.sort_unstable();
+    let mut runs: Vec<(i32, i32, i32, u64)> = Vec::new();
+    for (row, column, look) in squares {
+        match runs.last_mut() {
+            Some((at, _, end, seen)) if *at == row && *end == column && *seen == look => *end += 1,
+            _ => runs.push((row, column, column + 1, look)),
+        }
+    }
+    runs.into_iter()
 }
 
 fn of_map(map: &AllocentricMap) -> Result<SceneMemory, BadMemory> {

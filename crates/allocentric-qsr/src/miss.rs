@@ -34,6 +34,10 @@ impl SceneMemory {
                 .map_or(Evidence::OutOfView, |place| evidence.of(&name, place));
             let (missing_after, removed_after) =
                 (self.params.missing_after, self.params.removed_after);
+            let trusts = self
+                .objects
+                .get(&name)
+                .is_some_and(|kept| self.trusts(kept.last_look));
             let Some(kept) = self.objects.get_mut(&name) else {
                 continue;
             };
@@ -53,6 +57,7 @@ impl SceneMemory {
                 _ if kept.misses >= gone => Life::Removed,
                 _ if tentative => Life::Tentative,
                 _ if kept.misses >= missing_after => Life::Missing,
+                _ if !trusts => Life::Stale,
                 Evidence::FreeSpace
                 | Evidence::NoEvidence
                 | Evidence::Taken
@@ -62,6 +67,12 @@ impl SceneMemory {
             };
             become_(name, kept, life, changes);
         }
+    }
+
+    /// Whether the world is trusted to have kept still since that look.
+    pub(crate) fn trusts(&self, look: u64) -> bool {
+        let trusted = u64::from(self.params.trusted_looks);
+        trusted == 0 || self.looks.saturating_sub(look) <= trusted
     }
 
     /// The place of an object for the evidence of a look.

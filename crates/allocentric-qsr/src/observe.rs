@@ -1,6 +1,6 @@
 //! A look is taken in: what it shows is seen, what it does not show is missed.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use crate::ObjectId;
 use crate::fusion::{correlated, independent, mahalanobis_squared};
@@ -18,6 +18,11 @@ use crate::scene_memory::SceneMemory;
 /// The most map frames an object keeps its place in; the oldest go first, so that a robot that is
 /// lost again and again does not fill its memory.
 const MOST_FRAMES: usize = 16;
+
+/// From so many standard errors on, a sighting and the remembered place are no longer fused, though no move is
+/// told of: the object may have been moved by no more than the two are unsure. The sighting alone is right
+/// whether it was or not; what is fused of two places would claim to be surer than either, at neither.
+const DOUBT_SIGMAS: f64 = 2.0;
 
 impl SceneMemory {
     /// Takes in a look, with what it shows of places where nothing was reported, and says what
@@ -176,7 +181,9 @@ impl SceneMemory {
         }
         let fused = kept.places.get(&frame).map_or(place, |before| {
             let before = before.widened([[creep, 0.0], [0.0, creep]]);
-            if exact {
+            if mahalanobis_squared(&before, &place) > DOUBT_SIGMAS * DOUBT_SIGMAS {
+                place
+            } else if exact {
                 independent(&before, &place)
             } else {
                 correlated(&before, &place)
@@ -225,7 +232,7 @@ impl SceneMemory {
             objects: self.objects.clone(),
             facts: self.facts.clone(),
             changes: self.changes.clone(),
-            free: BTreeSet::new(),
+            free: BTreeMap::new(),
             ..*self
         }
     }

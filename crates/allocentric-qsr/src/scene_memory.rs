@@ -33,8 +33,8 @@ pub struct SceneMemory {
     pub(crate) objects: BTreeMap<ObjectId, MemoryObject>,
     pub(crate) facts: Vec<ToldFact>,
     pub(crate) changes: VecDeque<Dated>,
-    /// Squares of ground of the present frame seen free, by place.
-    pub(crate) free: BTreeSet<(i32, i32)>,
+    /// Squares of ground of the present frame seen free, and in which look last, by place.
+    pub(crate) free: BTreeMap<(i32, i32), u64>,
 }
 
 impl SceneMemory {
@@ -53,7 +53,7 @@ impl SceneMemory {
             objects: BTreeMap::new(),
             facts: Vec::new(),
             changes: VecDeque::new(),
-            free: BTreeSet::new(),
+            free: BTreeMap::new(),
         })
     }
 

@@ -250,6 +250,125 @@ proptest! {
     }
 }
 
+/// A look that says the same of all ground, and the same of every object that it does not report.
+#[derive(Clone, Copy)]
+struct Told {
+    ground: Evidence,
+    of: Evidence,
+}
+
+impl LookEvidence for Told {
+    fn at(&self, _: AskedPlace) -> Evidence {
+        self.ground
+    }
+
+    fn of(&self, _: &ObjectId, _: AskedPlace) -> Evidence {
+        self.of
+    }
+}
+
+/// A look at a cup straight ahead, or at nothing.
+fn look_at_cup(memory: &SceneMemory, cup: Option<(f64, f64)>) -> Look {
+    let seen = cup.map(|(distance_m, sigma_distance_m)| Observation {
+        sighting: Sighting {
+            object: "cup".into(),
+            distance_m,
+            bearing_rad: std::f64::consts::FRAC_PI_2,
+            sigma_distance_m,
+            sigma_bearing_rad: 0.005,
+        },
+        radius_mm: 50,
+        height_mm: 0,
+    });
+    Look {
+        time_ms: memory.time_ms() + 100,
+        pose: PoseKnowledge::Known(RobotPose::default()),
+        observations: seen.into_iter().collect(),
+    }
+}
+
+proptest! {
+    /// What a memory vouches for has been seen: ground is clear if it was seen free within the looks for
+    /// which the world is trusted, and since the last sighting of the cup while that is lost and may stand
+    /// anywhere; the cup is believed where it was for as many looks. The file keeps all of it.
+    #[test]
+    fn a_memory_vouches_for_what_it_has_seen_of_late(
+        looks in proptest::collection::vec((0usize..4, any::<bool>()), 1..14), trusted_looks in 0u32..5,
+    ) {
+        let mut memory = memory(MemoryParams { trusted_looks, ..follow() });
+        let [mut cup, mut free, mut now] = [0u64; 3];
+        let mut lost = false;
+        // Two sightings confirm the cup.
+        for (of_cup, is_free) in [(0, true), (0, true)].into_iter().chain(looks) {
+            now += 1;
+            let seen = of_cup == 0;
+            let of = [Evidence::NoEvidence, Evidence::OutOfView, Evidence::Occluded, Evidence::Elsewhere][of_cup];
+            let ground = if is_free { Evidence::FreeSpace } else { Evidence::NoEvidence };
+            let look = look_at_cup(&memory, seen.then_some((1.0, 0.01)));
+            memory.observe(&look, &Told { ground, of }).unwrap();
+            memory = SceneMemory::from_json(&memory.to_json()).unwrap();
+            cup = if seen { now } else { cup };
+            free = if is_free { now } else { free };
+            lost = !seen && (lost || of == Evidence::Elsewhere);
+
+            let is_late = |look: u64| trusted_looks == 0 || now - look <= u64::from(trusted_looks);
+            let at = |x: f64| Observer::At(GroundPose::new(x, 0.6, 0.0).unwrap());
+            let clear = memory.free_path(&at(-0.25), &at(0.25), 0.05) == Some(FreePath::Clear);
+            prop_assert_eq!(clear, is_late(free) && (!lost || free > cup));
+            prop_assert_eq!(memory.free_ground().is_empty(), !clear);
+            let life = life(&memory, "cup");
+            prop_assert_eq!(life == Life::Missing, lost);
+            prop_assert_eq!(life == Life::Stale, !lost && !is_late(cup));
+        }
+    }
+
+    /// Who moves within the errors of its place is not believed in between, surer than either: wherever
+    /// it went along the line of sight, a sighting as sure as the old place leaves it within three
+    /// standard errors.
+    #[test]
+    fn what_moved_within_its_errors_is_where_it_is_seen(
+        step_m in -0.4..0.4f64, sigma_m in 0.02..0.08f64, surer in 0.5..1.0f64, pose_sigma in 0.0..0.01f64,
+    ) {
+        let mut memory = memory(follow());
+        let evidence = Told { ground: Evidence::NoEvidence, of: Evidence::NoEvidence };
+        let pose = RobotPose::new(GroundPose::default(), [[0.0; 2]; 2], pose_sigma).unwrap();
+        for (distance_m, sigma_m) in [(1.2, sigma_m), (1.2 + step_m, sigma_m * surer)] {
+            let mut look = look_at_cup(&memory, Some((distance_m, sigma_m)));
+            look.pose = PoseKnowledge::Known(pose);
+            memory.observe(&look, &evidence).unwrap();
+        }
+        let place = memory.from_robot(&"cup".into()).unwrap();
+        let sigma_m = place.covariance_m2[1][1].sqrt();
+        let off_m = (place.forward_m - 1.2 - step_m).abs();
+        prop_assert!(off_m <= 3.0 * sigma_m + 1e-5, "{off_m} {sigma_m}");
+    }
+
+    /// An object at the end of a way lends it no more ground than it stands on: however unsure its place,
+    /// a body beside it that no look has measured is not overlooked.
+    #[test]
+    fn who_stands_beside_an_unsure_thing_is_not_overlooked(
+        sigma_m in 0.0..0.3f64, body_m in 0.035..0.1f64, beyond_m in 0.0..0.3f64, aside_m in -0.05..0.05f64,
+    ) {
+        let mut memory = memory(MemoryParams { cell_mm: 30, ground_mm: 2000, ..follow() });
+        let (cup_m, radius_m) = (1.2, 0.05);
+        let ahead_m = cup_m - radius_m - body_m - beyond_m;
+        let evidence = |place: AskedPlace| {
+            let apart = (place.right_m - aside_m).hypot(place.forward_m - ahead_m);
+            if apart < body_m + place.within_m {
+                Evidence::NoEvidence
+            } else {
+                Evidence::FreeSpace
+            }
+        };
+        let look = look_at_cup(&memory, Some((cup_m, sigma_m)));
+        memory.observe(&look, &evidence).unwrap();
+        memory.observe(&Look { time_ms: 900, observations: vec![], ..look }, &evidence).unwrap();
+        let from = Observer::At(GroundPose::new(0.0, 0.4, 0.0).unwrap());
+        let way = memory.free_path(&from, &Observer::Object("cup".into()), 0.03);
+        prop_assert!(matches!(way, Some(FreePath::Unknown { .. })), "{way:?}");
+    }
+}
+
 #[test]
 fn a_life_goes_on_by_evidence_alone() {
     let there = room([("cup", [0.0, 1.0])]);

@@ -5,7 +5,8 @@ use anyhow::{Context as _, bail};
 use dorsal::Names;
 use dorsal::allocentric_qsr::SceneMemory;
 use dorsal_scan::{
-    Asked, Fixation, HeadErrors, Scan, ScanParams, TruePlaces, ask_all, figure_12, knows_figure_12,
+    Asked, Fixation, HeadErrors, LAST_LOOKS, Scan, ScanParams, TruePlaces, ask_all, figure_12,
+    knows_figure_12,
 };
 use stereo_formats::{picture, rig_toml};
 use stereo_scenes::Room;
@@ -32,6 +33,13 @@ pub(crate) fn demo_scan(arguments: &ScanArguments, out: &mut dyn Write) -> anyho
     let console = Console::new(arguments.quiet);
     let mut scanned = Scanned::begin(arguments)?;
     while let Some(fixation) = scanned.scan.next() {
+        scanned.look(&fixation, &console, out)?;
+    }
+    // A scan ends by making sure of what it has not seen for long.
+    for _ in 0..LAST_LOOKS {
+        let Some(fixation) = scanned.scan.make_sure() else {
+            break;
+        };
         scanned.look(&fixation, &console, out)?;
     }
     // The looks of Figure 12 come on top: along the way that is asked for, as long as the map has no answer,

@@ -52,8 +52,10 @@ pub(crate) struct ScanArguments {
 const EXAMPLES: &str = "\
 The head looks at what is least known: the fixation that shows most ground that no look has
 measured. When all is known, at what is least sure: the object whose place has the largest standard error,
-which counts 2 cm more for every look since it was seen. Half way somebody moves one object. The
-last look is that of the paper's Figure 12: at one object, with the one to its right out of view.
+which counts 2 cm more for every look since it was seen. Half way somebody moves one object. After
+the N fixations three more go where things were not seen for longest: what six looks have not shown is no longer
+vouched for, neither an object in its place nor ground that was free. Up to three looks go along the way
+that is asked for. The last look is that of the paper's Figure 12: at one object, with the one to its right out of view.
 
 Cameras have noise (a hundredth of white) and eight bits, lenses differ from their calibration,
 encoders err by a twentieth of a degree, and the right eye has slipped by half a degree about two

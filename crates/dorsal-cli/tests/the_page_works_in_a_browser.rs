@@ -20,7 +20,8 @@ const ACT: &str = r##"<script>addEventListener("load", () => {
   const say = {}, get = id => document.getElementById(id);
   const time = get("time"); say.looks = Number(time.max) + 1;
   time.value = 0; time.dispatchEvent(new Event("input", { bubbles: true }));
-  say.first = get("when").textContent; say.drawn = document.querySelectorAll("#top .node").length;
+  say.first = get("when").textContent; say.why = get("why").textContent; const marked = get("over").getAttribute("aria-label"), seen = new Set(labels(frame()).values); seen.delete(0);
+  say.named = seen.size > 0 && [...seen].every(label => marked.includes(data.names[label])); say.drawn = document.querySelectorAll("#top .node").length;
   get("forth").click(); say.second = get("when").textContent;
   time.value = time.max; time.dispatchEvent(new Event("input", { bubbles: true }));
   for (const name of ["depth", "disparity", "right", "left"]) [...get("bases").children].find(b => b.textContent === name).click();
@@ -64,6 +65,10 @@ fn a_person_can_use_it() {
         assert_eq!(say["second"], "look 2");
         assert!(say["looks"].as_u64() >= Some(2), "{say}");
         assert!(say["drawn"].as_u64() >= Some(1), "{say}");
+        // Lives are told in words, and what is seen and not placed is named.
+        let why = say["why"].as_str().expect("words");
+        assert!(!why.contains("_view"), "{why}");
+        assert_eq!(say["named"], true, "{say}");
         assert_eq!(say["pressed"], "true");
         let explained = say["explained"].as_str().expect("words");
         assert!(explained.contains("Measured:"), "{explained}");

@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use dorsal::allocentric_qsr::{Life, ObjectId, SceneMemory};
+use dorsal::allocentric_qsr::{Life, MemoryObject, ObjectId, SceneMemory};
 use dorsal::egocentric_depth::{Observer, Position, StereoRig};
 use dorsal::v1_gabor::Size;
 
@@ -176,6 +176,41 @@ impl Attention {
         }
         let (object, at, height_m, sigma_m) = self.least_sure(memory)?;
         Some((at, height_m, Why::LeastSure { object, sigma_m }))
+    }
+
+    /// The object from which most is seen again that was not seen for long: its name, place, height, and how many
+    /// looks have not shown it. What counts is the number of looks since each object was placed, over all
+    /// that the fixation shows. Nothing if the last look has placed everything.
+    pub(crate) fn long_unseen(
+        &self,
+        memory: &SceneMemory,
+        size: Size,
+        down_m: f64,
+        aim: impl Fn([f64; 2]) -> Option<StereoRig>,
+    ) -> Option<(ObjectId, [f64; 2], f64, u64)> {
+        let things = memory.objects().filter_map(|(name, kept)| {
+            let place = memory.from_robot(name)?;
+            let looks = memory.looks().saturating_sub(kept.last_look);
+            let at = [place.right_m, place.forward_m];
+            (kept.life != Life::Missing).then_some((name, kept, at, looks))
+        });
+        let things: Vec<(&ObjectId, &MemoryObject, [f64; 2], u64)> = things.collect();
+        let fixations = things.iter().filter_map(|&(name, kept, at, looks)| {
+            let rig = aim(at)?;
+            let shown = things
+                .iter()
+                .filter(|(.., at, _)| shows(&rig, size, *at, down_m));
+            let gain: u64 = shown.map(|(.., looks)| looks).sum();
+            let height_m = f64::from(kept.height_mm) / 1e3;
+            (looks > 0).then_some((
+                self.is_vain(name),
+                gain,
+                (name.clone(), at, height_m, looks),
+            ))
+        });
+        // What two looks have not found comes last; of equal gains the first is taken.
+        let best = fixations.min_by_key(|(vain, gain, _)| (*vain, std::cmp::Reverse(*gain)))?;
+        Some(best.2)
     }
 
     /// The object whose place is least sure: its name, place, height and standard error.

@@ -31,7 +31,15 @@ pub enum Why {
         /// The object.
         object: ObjectId,
     },
-    /// Somebody asks for the hand's way to an object, and this piece of it was never seen free.
+    /// The scan ends, and from here most is seen again that was not seen for long: something may have been
+    /// moved meanwhile.
+    LongUnseen {
+        /// The object that is fixated.
+        object: ObjectId,
+        /// How many looks have not shown it.
+        looks: u64,
+    },
+    /// Somebody asks for the hand's way to an object, and this piece of it is not known to be free.
     OnTheWay {
         /// The object.
         to: ObjectId,
@@ -49,7 +57,9 @@ impl Why {
     /// The object that the look is to place, if it is for one.
     pub(crate) const fn aimed_at(&self) -> Option<&ObjectId> {
         match self {
-            Self::LeastSure { object, .. } | Self::Unplaced { object } => Some(object),
+            Self::LeastSure { object, .. }
+            | Self::Unplaced { object }
+            | Self::LongUnseen { object, .. } => Some(object),
             Self::LeastKnown { .. } | Self::OnTheWay { .. } | Self::Without { .. } => None,
         }
     }
@@ -69,6 +79,12 @@ impl fmt::Display for Why {
                 write!(f, "least sure: {object}, within {:.1} cm", 100.0 * sigma_m)
             }
             Self::Unplaced { object } => write!(f, "seen, but how far: {object}"),
+            Self::LongUnseen { object, looks } => {
+                write!(
+                    f,
+                    "is it still there: {object}, not placed by {looks} looks"
+                )
+            }
             Self::OnTheWay { to } => write!(f, "asked for: the hand's way to {to}"),
             Self::Without { shown, hidden } => write!(f, "at {shown}, with {hidden} out of view"),
         }

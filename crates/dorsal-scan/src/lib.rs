@@ -44,7 +44,7 @@ pub use fixation::{Fixation, Why};
 pub use head_errors::HeadErrors;
 pub use random_room::random_room;
 pub use relocation::Relocation;
-pub use scan::{NoScan, Scan, ScanParams};
+pub use scan::{LAST_LOOKS, NoScan, Scan, ScanParams};
 pub use scan_look::{ScanLook, Shown};
 pub use score::{HAND_M, Off, Pairs, Score, Ways};
 pub use true_places::{TruePlace, TruePlaces};

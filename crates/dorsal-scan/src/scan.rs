@@ -72,6 +72,8 @@ impl Default for ScanParams {
                 // A ball of 2.7 cm radius above the stand by 1.3 cm: lower things are noticed as
                 // objects or not at all.
                 above_ground_mm: 40,
+                // With the looks that make sure at the end, two rounds of a table.
+                trusted_looks: 6,
                 ..MemoryParams::default()
             },
         }
@@ -138,6 +140,10 @@ pub struct Scan {
     memory: SceneMemory,
     looks: usize,
 }
+
+/// How many looks make sure at the end of a scan of what was not seen for long ([`Scan::make_sure`]): so
+/// many go around a table.
+pub const LAST_LOOKS: usize = 3;
 
 /// Time between two looks, in milliseconds of the scan's clock.
 const PERIOD_MS: u64 = 1000;
@@ -275,7 +281,21 @@ impl Scan {
         })
     }
 
-    /// A fixation on the first piece of the hand's way to an object that was never seen free, which is
+    /// A fixation from which most is seen again that was not seen for long, by which a scan ends: what was moved
+    /// where nobody looked is found, or given up. Nothing if the last look has placed everything.
+    #[must_use]
+    pub fn make_sure(&self) -> Option<Fixation> {
+        let down_m = self.eyes_above_ground_m();
+        let (object, at, height_m, looks) =
+            self.attention
+                .long_unseen(&self.memory, self.head.size, down_m, |at| self.aim(at))?;
+        Some(Fixation {
+            point_m: [at[0], down_m - height_m, at[1]],
+            why: Why::LongUnseen { object, looks },
+        })
+    }
+
+    /// A fixation on the first piece of the hand's way to an object that is not known to be free, which is
     /// where a question that the map cannot answer sends the eyes. Vergence brings the search to the
     /// ground there: from a fixation farther away the near edge of a table is out of its reach. Nothing if
     /// the map has an answer.
@@ -372,6 +392,7 @@ impl Scan {
         let matching = MatchParams {
             least_patch: 0,
             left_right_px: Some(1.0),
+            slanted_scales: 3,
             ..MatchParams::default()
         };
         let found = Range::Given.disparity(&responses, matching);

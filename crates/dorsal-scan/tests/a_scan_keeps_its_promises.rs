@@ -1,7 +1,9 @@
 //! A scan of a small room: the map at the end holds the truth, calls nothing clear that is not, and is
 //! the same for the same seed.
-use dorsal::allocentric_qsr::FreePath;
-use dorsal_scan::{Scan, ScanParams, Why, ask_all, figure_12, hand_way, knows_figure_12};
+use dorsal::allocentric_qsr::{FreePath, Life};
+use dorsal_scan::{
+    LAST_LOOKS, Scan, ScanParams, Why, ask_all, figure_12, hand_way, knows_figure_12,
+};
 use stereo_scenes::Room;
 
 /// The built-in room in pictures of a quarter of its pixels.
@@ -38,6 +40,29 @@ fn the_map_holds_the_truth() {
     assert!(score.missed.len() <= 3, "{score}");
     // The sound calculus says more than nothing: fewer than half of the five classes are left.
     assert!(score.sound.left().0 < 2.5, "{score}");
+
+    // The last looks go where things were not seen for long, and what is believed after them was seen of late.
+    for _ in 0..LAST_LOOKS {
+        let Some(fixation) = scan.make_sure() else {
+            break;
+        };
+        let Why::LongUnseen { object, looks } = &fixation.why else {
+            panic!("{:?}", fixation.why);
+        };
+        let last_look = scan.memory().object(object).expect("it is known").last_look;
+        assert!(*looks > 0 && last_look + looks == scan.memory().looks());
+        let shown = scan.show(&fixation).expect("it can look there");
+        scan.perceive(shown, None).expect("it sees");
+    }
+    let trusted = u64::from(scan.memory().params().trusted_looks);
+    for (name, kept) in scan.memory().objects() {
+        let is_late = scan.memory().looks() - kept.last_look <= trusted;
+        let believed = matches!(
+            kept.life,
+            Life::Confirmed | Life::InView | Life::OutOfView | Life::Occluded
+        );
+        assert!(is_late || !believed, "{name}: {kept:?}");
+    }
 
     // Figure 12: a look along the way that is asked for, then one at the box with the screen out of view.
     let pair = figure_12(scan.memory()).expect("the box and the screen are there");
