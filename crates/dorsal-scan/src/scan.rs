@@ -393,6 +393,8 @@ impl Scan {
             least_patch: 0,
             left_right_px: Some(1.0),
             slanted_scales: 3,
+            contradictions: None,
+            fill_neighbours: Some(12),
             ..MatchParams::default()
         };
         let found = Range::Given.disparity(&responses, matching);
