@@ -52,7 +52,7 @@ impl Life {
     pub const fn words(self) -> &'static str {
         match self {
             Self::Tentative => "tentative",
-            Self::Confirmed => "believed",
+            Self::Confirmed => "confirmed",
             Self::InView => "in view",
             Self::OutOfView => "out of view",
             Self::Occluded => "hidden",
