@@ -29,6 +29,7 @@ mod hyperacuity;
 mod local_range;
 mod look_back;
 mod nearest;
+mod noise_level;
 mod padding;
 mod partial_field;
 mod path_step;

@@ -274,7 +274,8 @@ mod tests {
         } else {
             other
         };
-        let near = (one.dx - other.dx).abs() < 0.5 && (one.dy - other.dy).abs() < 0.5;
+        let same = |one: f32, other: f32| (one - other).abs() < ONE_SURFACE_PX;
+        let near = same(one.dx, other.dx) && same(one.dy, other.dy);
         if !near || one.validity.is_valid() != other.validity.is_valid() {
             return surer;
         }
@@ -365,13 +366,13 @@ mod tests {
     }
 
     #[test]
-    fn a_slope_stays_a_slope_and_a_step_a_step() {
+    fn the_steepest_slope_stays_a_slope_and_a_step_a_step() {
         let size = Size {
             width: 21,
             height: 15,
         };
         let at = |x: usize, y: usize| Word {
-            dx: 0.1 * x as f32 - 0.05 * y as f32 - if x > 10 { 9.0 } else { 0.0 },
+            dx: 0.69 * x as f32 - 0.6 * y as f32 - if x > 10 { 9.0 } else { 0.0 },
             dy: 0.02 * y as f32,
             confidence: 0.9,
             validity: Validity::Valid,

@@ -120,6 +120,7 @@ struct DenseMatching {
     acuity: &'static str,
     surface_radius: usize,
     choice_radius: usize,
+    noisy: f32,
 }
 
 #[derive(Debug, Serialize)]
@@ -282,6 +283,7 @@ impl DenseMatching {
             },
             surface_radius: params.surface_radius,
             choice_radius: params.choice_radius,
+            noisy: params.noisy,
         })
     }
 }

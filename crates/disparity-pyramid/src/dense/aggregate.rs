@@ -665,7 +665,7 @@ mod tests {
             let luma = Array2::from_shape_simple_fn((height, width), || random(9) as f32 / 255.0);
             let luma = LumaImage::new(luma).unwrap();
             let mut guide = Guide::default();
-            guide.take_in(&EyeView::grey(&luma), true);
+            guide.take_in(&EyeView::grey(&luma), true, 1.0);
             let penalty = StepPenalty::new(&DenseParams::best());
             let search = SearchRange::new(least, least + shifts as i32 - 1).unwrap();
             let size = Size { width, height };

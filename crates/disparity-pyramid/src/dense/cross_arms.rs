@@ -183,7 +183,7 @@ mod tests {
             let rgb = Array2::from_shape_simple_fn((height, width), || [(); 3].map(|()| random(23) as u8));
             let view = EyeView { luma: &luma, rgb: Some(rgb.view()) };
             let mut guide = Guide::default();
-            guide.take_in(&view, colour);
+            guide.take_in(&view, colour, 1.0);
             let arms = CrossArms::of(&guide);
             for y in 0..height {
                 for x in 0..width {

@@ -224,10 +224,10 @@ impl DenseMatcher {
     ) -> Result<(), WrongView> {
         let lumas = eyes.map(|eye| eye.luma);
         self.choose_windows(&lumas, search, workspace)?;
-        let colour = self.params.colour;
-        workspace.guides.left.take_in(&eyes.left, colour);
+        let DenseParams { colour, noisy, .. } = self.params;
+        workspace.guides.left.take_in(&eyes.left, colour, noisy);
         if self.params.look_back == LookBack::OwnPaths {
-            workspace.guides.right.take_in(&eyes.right, colour);
+            workspace.guides.right.take_in(&eyes.right, colour, noisy);
             workspace.guides.right.mirror();
         }
         fit(dx, self.size, 0.0);

@@ -27,6 +27,9 @@ pub struct DenseParams {
     /// The step of the picture, in parts of the whole range of grey, at which a larger step of the
     /// shift costs a third: depth may end where colour does.
     pub edge_softness: f32,
+    /// The noise of a picture, in parts of the whole range of grey, from which on it is smoothed before it says
+    /// where surfaces end (the responses are not): 1 never does.
+    pub noisy: f32,
     /// How the other eye's shifts are found for the look back.
     pub look_back: LookBack,
     /// How far the look back may miss, in pixels.
@@ -91,6 +94,7 @@ impl DenseParams {
             small_step: 1.2,
             large_step: 16.0,
             edge_softness: 0.018,
+            noisy: 0.011,
             look_back: LookBack::OwnPaths,
             left_right_px: 0.8,
             least_patch: 30,
@@ -112,6 +116,7 @@ impl DenseParams {
             narrow_px: Some(4),
             large_step: 6.4,
             edge_softness: 0.03,
+            noisy: 1.0,
             look_back: LookBack::SamePaths,
             left_right_px: 1.0,
             least_patch: 60,
@@ -189,6 +194,7 @@ impl DenseParams {
             f32::MAX,
             "positive, and finite",
         )?;
+        within("noisy", self.noisy, 0.0, 1.0, "from 0 to 1")?;
         within(
             "left_right_px",
             self.left_right_px,

@@ -2,6 +2,7 @@ use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 use crate::dense::EyeView;
+use crate::dense::noise_level::noise_level;
 
 /// The picture that says where surfaces end: one channel or three, 8 bits each, channel by channel.
 #[derive(Clone, Debug, Default)]
@@ -14,6 +15,9 @@ pub(crate) struct Guide {
     /// steps of 8 bits; 0 where there is none.
     beside: Vec<u8>,
     below: Vec<u8>,
+    /// Room for the noise of blocks, and for a plane on its way to a smoother one.
+    noise: Vec<f32>,
+    rows: Vec<u8>,
 }
 
 /// A row of lumas in 256 steps from 0 to 1.
@@ -36,8 +40,9 @@ impl NullaryFnOnce for Greys<'_> {
 
 impl Guide {
     /// Takes in the colours of a view, or its luma in 256 steps from 0 to 1 if it has none or they are
-    /// not asked for.
-    pub(crate) fn take_in(&mut self, view: &EyeView<'_>, colour: bool) {
+    /// not asked for. From a noise of `noisy` on, in parts of the whole range, they are smoothed first: a step
+    /// of noise is no end of a surface.
+    pub(crate) fn take_in(&mut self, view: &EyeView<'_>, colour: bool, noisy: f32) {
         let size = view.luma.size();
         (self.width, self.height) = (size.width, size.height);
         match view.rgb.filter(|_| colour) {
@@ -60,6 +65,14 @@ impl Guide {
                     .par_chunks_mut(size.width)
                     .zip(luma.par_chunks(size.width))
                     .for_each(|(plane, luma)| Arch::new().dispatch(Greys { luma, plane }));
+            }
+        }
+        // The noise of colours is about that of one of them.
+        if noisy < 1.0
+            && noise_level(&self.channels[0], self.width, &mut self.noise) >= noisy * 255.0
+        {
+            for plane in &mut self.channels {
+                soften(plane, self.width, &mut self.rows);
             }
         }
         self.take_steps();
@@ -127,6 +140,34 @@ impl Guide {
     #[inline(always)]
     pub(crate) fn below(&self, y: usize) -> &[u8] {
         &self.below[y * self.width..(y + 1) * self.width]
+    }
+}
+
+/// Smooths a plane by the binomial `[1 4 6 4 1] / 16` along rows and columns, whose standard deviation is a
+/// pixel. Beyond the ends of a line its last value holds.
+fn soften(plane: &mut [u8], width: usize, rows: &mut Vec<u8>) {
+    const TAPS: [u16; 5] = [1, 4, 6, 4, 1];
+    let height = plane.len() / width;
+    let line = |at: usize, length: usize, value: &dyn Fn(usize) -> u8| {
+        let sum: u16 = TAPS
+            .iter()
+            .enumerate()
+            .map(|(tap, weight)| {
+                weight * u16::from(value((at + tap).saturating_sub(2).min(length - 1)))
+            })
+            .sum();
+        ((sum + 8) / 16) as u8
+    };
+    rows.resize(plane.len(), 0);
+    for (row, out) in plane.chunks(width).zip(rows.chunks_mut(width)) {
+        for (x, out) in out.iter_mut().enumerate() {
+            *out = line(x, width, &|x| row[x]);
+        }
+    }
+    for (y, out) in plane.chunks_mut(width).enumerate() {
+        for (x, out) in out.iter_mut().enumerate() {
+            *out = line(y, height, &|y| rows[y * width + x]);
+        }
     }
 }
 

@@ -176,7 +176,7 @@ mod tests {
     fn chosen(dx: &Array2<f32>, luma: Array2<f32>) -> (Array2<f32>, Array2<f32>) {
         let luma = LumaImage::new(luma).unwrap();
         let mut guide = Guide::default();
-        guide.take_in(&EyeView::grey(&luma), false);
+        guide.take_in(&EyeView::grey(&luma), false, 1.0);
         let validity = Array2::from_elem(dx.dim(), Validity::Valid);
         let mut ranges = LocalRange::default();
         let ranges = ranges.of(dx.view());
