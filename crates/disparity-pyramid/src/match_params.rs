@@ -36,7 +36,7 @@ pub struct MatchParams {
     /// are followed, at the others from 0.15 on. Without the stretch
     /// the error of either component grows by two fifths of a pixel times its slope: 0.024 px at a slope of
     /// 0.06, in place of 0.009 to 0.018. At the finest alone, rendered tables that slant by half a pixel
-    /// a row err by 0.2 px, and by 0.11 with all scales, which takes a tenth more time.
+    /// a row err by 0.2 px, and by 0.11 with all scales, which takes an eighth more time.
     /// [`estimate_monogenic`](crate::estimate_monogenic) and
     /// [`estimate_population`](crate::estimate_population) do not stretch.
     pub slanted_scales: usize,
@@ -48,8 +48,8 @@ pub struct MatchParams {
     pub vertical_prior: f32,
     /// Of the 3 x 3 pixels around a place at the second finest scale, how many at least have to be
     /// [`Incoherent`](crate::Validity::Incoherent) there to take its answer at the finest away. Where the search is lost,
-    /// few answers agree with the phases at both scales by chance: with 6, such pixels of a rendered shelf
-    /// go from 630 to 30 in 270 thousand. `None` takes nothing away.
+    /// few answers agree with the phases at both scales by chance
+    /// (`docs/level-2.md`, "Medians along a slope"). `None` takes nothing away.
     pub contradictions: Option<usize>,
     /// Least number of valid pixels among the 5 x 5 around a pixel without an answer of its own that
     /// make their median its answer; `None` leaves every such pixel unknown.
