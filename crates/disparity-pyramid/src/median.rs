@@ -1,9 +1,9 @@
 use ndarray::{Array2, ArrayView2};
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Arch, NullaryFnOnce, Simd, WithSimd};
 use rayon::prelude::*;
 use v1_gabor::Size;
 
-use crate::median_network::{median_of_5_columns, median_of_9, median_of_25, sorted_5};
+use crate::median_network::{median_of_9, middle_of_5_columns, sorted_5};
 use crate::slopes::{RowSlopes, Slopes};
 use crate::vector::{store, vector};
 use crate::{MedianRadius, Validity};
@@ -127,25 +127,20 @@ struct Padded {
     numbers: Vec<f32>,
     /// Blocks of [`MOST_LANES`] numbers to a row.
     blocks: usize,
-    /// What is in each block.
-    known: Vec<Known>,
+    /// What is unknown in each block.
+    unknown: Vec<Unknown>,
 }
 
-/// How much of a block of values is known. Most windows are known altogether, and nothing is replaced
-/// there; of an empty wall nothing is, and nothing is done.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Known {
-    /// Whether some value is.
-    some: bool,
-    /// Whether every value is.
-    all: bool,
-}
+/// Which of a block of values are unknown, a bit each, the first one's being the lowest. Most windows are
+/// known altogether, and nothing is replaced there; of an empty wall nothing is, and nothing is done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Unknown(u16);
 
-impl Known {
-    const NONE: Self = Self {
-        some: false,
-        all: false,
-    };
+impl Unknown {
+    /// Nothing is known.
+    const ALL: Self = Self(u16::MAX);
+    /// Everything is.
+    const NONE: Self = Self(0);
 }
 
 impl Padded {
@@ -165,16 +160,16 @@ impl Padded {
             stride,
             numbers: vec![f32::NAN; stride * rows],
             blocks,
-            known: vec![Known::NONE; blocks * rows],
+            unknown: vec![Unknown::ALL; blocks * rows],
         }
     }
 
     /// The rows of the plane, and what is in the blocks of each.
-    fn rows_mut(&mut self) -> impl IndexedParallelIterator<Item = (&mut [f32], &mut [Known])> {
+    fn rows_mut(&mut self) -> impl IndexedParallelIterator<Item = (&mut [f32], &mut [Unknown])> {
         let (reach, height) = (self.reach, self.size.height);
         self.numbers
             .par_chunks_mut(self.stride)
-            .zip(self.known.par_chunks_mut(self.blocks))
+            .zip(self.unknown.par_chunks_mut(self.blocks))
             .skip(reach)
             .take(height)
     }
@@ -185,7 +180,7 @@ impl Padded {
         self.rows_mut()
             .zip(plane.par_chunks(width))
             .enumerate()
-            .for_each(|(y, ((numbers, known), row))| {
+            .for_each(|(y, ((numbers, unknown), row))| {
                 let inner = &mut numbers[reach..reach + width];
                 match validity {
                     None => inner.copy_from_slice(row),
@@ -196,7 +191,7 @@ impl Padded {
                         }
                     }
                 }
-                note_known(numbers, known);
+                note_unknown(numbers, unknown);
             });
     }
 
@@ -213,9 +208,9 @@ impl Padded {
         let inner = self.reach..self.reach + self.size.width;
         out.rows_mut()
             .enumerate()
-            .for_each(|(y, (numbers, known))| {
+            .for_each(|(y, (numbers, unknown))| {
                 self.filter_row(y, &mut numbers[inner.clone()], false, trend);
-                note_known(numbers, known);
+                note_unknown(numbers, unknown);
             });
     }
 
@@ -223,7 +218,7 @@ impl Padded {
         Arch::new().dispatch(Row {
             rows: &self.numbers[y * self.stride..],
             stride: self.stride,
-            known: &self.known[y * self.blocks..],
+            unknown: &self.unknown[y * self.blocks..],
             blocks: self.blocks,
             radius: self.radius,
             keep,
@@ -233,16 +228,29 @@ impl Padded {
     }
 }
 
-/// Notes how much of each block of a row is known.
-fn note_known(numbers: &[f32], known: &mut [Known]) {
-    let (blocks, _) = numbers.as_chunks::<MOST_LANES>();
-    for (block, known) in blocks.iter().zip(known) {
-        let unknown = |any, value: &f32| any | value.is_nan();
-        let heard = |any, value: &f32| any | !value.is_nan();
-        *known = Known {
-            some: block.iter().fold(false, heard),
-            all: !block.iter().fold(false, unknown),
-        };
+/// Notes what is unknown in each block of a row.
+fn note_unknown(numbers: &[f32], unknown: &mut [Unknown]) {
+    Arch::new().dispatch(Note { numbers, unknown });
+}
+
+struct Note<'a> {
+    numbers: &'a [f32],
+    unknown: &'a mut [Unknown],
+}
+
+impl NullaryFnOnce for Note<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let (blocks, _) = self.numbers.as_chunks::<MOST_LANES>();
+        for (block, unknown) in blocks.iter().zip(self.unknown) {
+            let mut bits = 0;
+            for i in 0..MOST_LANES {
+                bits |= u16::from(block[i].is_nan()) << i;
+            }
+            *unknown = Unknown(bits);
+        }
     }
 }
 
@@ -265,20 +273,43 @@ impl<'a> Trend<'a> {
 }
 
 impl RowTrend<'_> {
-    /// By how much a component grows from one column to the next, and from one row to the next, at
-    /// the pixels that a vector holds, the first one being in column `x`; `None` if it grows at none.
+    /// By how much a component grows from one column to the next (`along` is 0) or from one row to the next (1)
+    /// at the pixels that a vector holds, the first one being in column `x`; `None` if it grows at none.
     #[inline(always)]
-    fn at<S: Simd>(&self, simd: S, x: usize) -> Option<[S::f32s; 2]> {
+    fn at<S: Simd>(&self, simd: S, along: usize, x: usize) -> Option<S::f32s> {
         if !self.slopes.are_followed(x, S::F32_LANES) {
             return None;
         }
-        let step = simd.splat_f32s(self.step);
-        Some([0, 1].map(|along| {
-            let mut slopes = [0.0; MOST_LANES];
-            self.slopes
-                .copy(self.first + along, x, &mut slopes[..S::F32_LANES]);
-            simd.mul_f32s(vector(simd, &slopes, 0), step)
-        }))
+        let mut slopes = [0.0; MOST_LANES];
+        self.slopes
+            .copy(self.first + along, x, &mut slopes[..S::F32_LANES]);
+        Some(self.of_step(simd, &slopes))
+    }
+
+    /// By how much it grows from one row to the next in the columns of a vector of padded ones, the first
+    /// of them being `column`.
+    #[inline(always)]
+    fn of_columns<S: Simd>(&self, simd: S, column: usize) -> Option<S::f32s> {
+        const PADDING: usize = SIDE / 2;
+        if column >= PADDING {
+            return self.at(simd, 1, column - PADDING);
+        }
+        if !self.slopes.are_followed(0, S::F32_LANES) {
+            return None;
+        }
+        let mut slopes = [0.0; MOST_LANES];
+        self.slopes.copy(
+            self.first + 1,
+            0,
+            &mut slopes[PADDING..S::F32_LANES.max(PADDING)],
+        );
+        Some(self.of_step(simd, &slopes))
+    }
+
+    /// What grows by so much a pixel, from one number of the plane to the next.
+    #[inline(always)]
+    fn of_step<S: Simd>(&self, simd: S, slopes: &[f32; MOST_LANES]) -> S::f32s {
+        simd.mul_f32s(vector(simd, slopes, 0), simd.splat_f32s(self.step))
     }
 }
 
@@ -287,8 +318,8 @@ struct Row<'a> {
     /// The padded plane from the first row of the windows on.
     rows: &'a [f32],
     stride: usize,
-    /// What is in each [`MOST_LANES`] values of a row, from the same row on.
-    known: &'a [Known],
+    /// What is unknown in each [`MOST_LANES`] values of a row, from the same row on.
+    unknown: &'a [Unknown],
     /// How many of them there are to a row.
     blocks: usize,
     radius: MedianRadius,
@@ -305,28 +336,56 @@ const SIDE: usize = 5;
 const STRIP: usize = 256;
 
 /// The values of a strip's columns and of those beside it, in ascending order from row to row.
+#[derive(Clone)]
 #[repr(align(64))]
 struct Columns([[f32; STRIP + MOST_LANES]; SIDE]);
 
+/// What is unknown in the columns of a block.
+#[derive(Clone, Copy)]
+struct ColumnsUnknown {
+    /// In which of them anything is.
+    any: Unknown,
+    /// In which of them everything is.
+    all: Unknown,
+    /// Before which of them, in this strip, an odd number of values is, a bit each.
+    odd: u16,
+}
+
+impl ColumnsUnknown {
+    /// Those of no row.
+    const NONE: Self = Self {
+        any: Unknown::NONE,
+        all: Unknown::ALL,
+        odd: 0,
+    };
+}
+
 impl Row<'_> {
-    /// How much is known of the windows that begin in each block of columns, and end in the next.
+    /// What is unknown in the columns of each block from `first` on.
     #[inline(always)]
-    fn note_windows(&self, first: usize, windows: &mut [Known; STRIP / MOST_LANES]) {
-        let everything = Known {
-            some: false,
-            all: true,
-        };
-        let mut columns = [everything; STRIP / MOST_LANES + 1];
+    fn note_columns(&self, first: usize, columns: &mut [ColumnsUnknown; STRIP / MOST_LANES + 1]) {
+        *columns = [ColumnsUnknown::NONE; STRIP / MOST_LANES + 1];
         for y in 0..SIDE {
-            let row = &self.known[y * self.blocks + first..(y + 1) * self.blocks];
-            for (column, known) in columns.iter_mut().zip(row) {
-                column.some |= known.some;
-                column.all &= known.all;
+            let row = &self.unknown[y * self.blocks + first..(y + 1) * self.blocks];
+            for (column, unknown) in columns.iter_mut().zip(row) {
+                column.any.0 |= unknown.0;
+                column.all.0 &= unknown.0;
+                column.odd ^= unknown.0;
             }
         }
-        for (window, [here, next]) in windows.iter_mut().zip(columns.array_windows()) {
-            window.some = here.some | next.some;
-            window.all = here.all & next.all;
+        // The number of unknown values in all columns before is the parity of those in each.
+        let mut before = 0u16;
+        for column in columns {
+            let mut up_to = column.odd;
+            for step in [1, 2, 4, 8] {
+                up_to ^= up_to << step;
+            }
+            column.odd = (up_to << 1) ^ before;
+            before ^= if up_to >> (MOST_LANES - 1) == 1 {
+                u16::MAX
+            } else {
+                0
+            };
         }
     }
 
@@ -347,35 +406,36 @@ impl Row<'_> {
         window
     }
 
-    /// Brings the values of the windows to their middles along the slopes.
+    /// Sorts the values of as many columns as a vector has lanes. Unknown ones become plus and minus infinity
+    /// in turn, from the top of a column to its end and on at the top of the next, so that of any five
+    /// columns' the median is that of the known ones. What grows from row to row is brought to the middle one.
     #[inline(always)]
-    fn levelled<S: Simd, const SIDE: usize, const N: usize>(
+    fn sort_columns<S: Simd>(
         &self,
         simd: S,
         corner: usize,
-        mut window: [S::f32s; N],
-    ) -> [S::f32s; N] {
-        if let Some([along_x, along_y]) = self.trend.and_then(|trend| trend.at(simd, corner)) {
-            let middle = (SIDE / 2) as f32;
-            for y in 0..SIDE {
-                let rows = simd.splat_f32s(middle - y as f32);
-                for x in 0..SIDE {
-                    let columns = simd.splat_f32s(middle - x as f32);
-                    let value = window[SIDE * y + x];
-                    let value = simd.mul_add_f32s(rows, along_y, value);
-                    window[SIDE * y + x] = simd.mul_add_f32s(columns, along_x, value);
-                }
-            }
-        }
-        window
-    }
-
-    /// Sorts the values of as many columns as a vector has lanes.
-    #[inline(always)]
-    fn sort_columns<S: Simd>(&self, simd: S, corner: usize, columns: &mut Columns, at: usize) {
+        (unknown, lane): (ColumnsUnknown, usize),
+        along_y: Option<S::f32s>,
+        columns: &mut Columns,
+        at: usize,
+    ) {
         let mut values = [simd.splat_f32s(0.0); SIDE];
         for y in 0..SIDE {
             values[y] = vector(simd, &self.rows[corner + y * self.stride..], 0);
+        }
+        if unknown.any != Unknown::NONE {
+            let starts = lanes_of(simd, unknown.odd, lane);
+            values = balanced(
+                simd,
+                values,
+                simd.mul_f32s(starts, simd.splat_f32s(f32::INFINITY)),
+            );
+        }
+        if let Some(along_y) = along_y {
+            for y in 0..SIDE {
+                let rows = simd.splat_f32s((SIDE / 2) as f32 - y as f32);
+                values[y] = simd.mul_add_f32s(rows, along_y, values[y]);
+            }
         }
         let values = sorted_5(simd, values);
         for y in 0..SIDE {
@@ -383,16 +443,31 @@ impl Row<'_> {
         }
     }
 
-    /// The medians of a vector's windows from `at` on among columns that are sorted.
+    /// The medians of a vector's windows from `at` on among columns that are sorted, and the next larger values;
+    /// those beside the middle one are brought to it first. What is added to a whole column leaves it sorted.
     #[inline(always)]
-    fn median_of_columns<S: Simd>(simd: S, columns: &Columns, at: usize) -> S::f32s {
+    fn middle_of_columns<S: Simd>(
+        simd: S,
+        columns: &Columns,
+        at: usize,
+        along_x: Option<S::f32s>,
+    ) -> [S::f32s; 2] {
         let mut window = [simd.splat_f32s(0.0); SIDE * SIDE];
         for y in 0..SIDE {
             for x in 0..SIDE {
                 window[SIDE * y + x] = vector(simd, &columns.0[y], at + x);
             }
         }
-        median_of_5_columns(simd, window)
+        if let Some(along_x) = along_x {
+            for x in 0..SIDE {
+                let columns = simd.splat_f32s((SIDE / 2) as f32 - x as f32);
+                for y in 0..SIDE {
+                    let value = window[SIDE * y + x];
+                    window[SIDE * y + x] = simd.mul_add_f32s(columns, along_x, value);
+                }
+            }
+        }
+        middle_of_5_columns(simd, window)
     }
 
     /// Writes medians, of which `out` holds a vector's or, at the end of a row, fewer.
@@ -427,38 +502,105 @@ impl WithSimd for Row<'_> {
         if self.radius == MedianRadius::One {
             for (block, out) in out.chunks_mut(S::F32_LANES).enumerate() {
                 let at = block * S::F32_LANES;
-                let window = self.window::<S, 3, 9>(simd, at);
-                let window = self.levelled::<S, 3, 9>(simd, at, window);
-                let medians = known(simd, median_of_9(simd, balanced(simd, window)));
+                let mut window = self.window::<S, 3, 9>(simd, at);
+                let along = |along| self.trend.and_then(|trend| trend.at(simd, along, at));
+                if let (Some(along_x), Some(along_y)) = (along(0), along(1)) {
+                    window = levelled::<S, 3, 9>(simd, window, [along_x, along_y]);
+                }
+                let window = balanced(simd, window, simd.splat_f32s(f32::INFINITY));
+                let medians = known(simd, median_of_9(simd, window));
                 Self::write(keep, simd, out, medians);
             }
             return;
         }
         let mut columns = Columns([[0.0; STRIP + MOST_LANES]; SIDE]);
-        let mut windows = [Known::NONE; STRIP / MOST_LANES];
+        let mut levelled = columns.clone();
+        let mut unknown = [ColumnsUnknown::NONE; STRIP / MOST_LANES + 1];
         for (strip, out) in out.chunks_mut(STRIP).enumerate() {
             let start = strip * STRIP;
             let shared = out.len().next_multiple_of(MOST_LANES) + MOST_LANES;
+            self.note_columns(start / MOST_LANES, &mut unknown);
+            // Whether everything is known in the windows that begin in a block, and end in the next.
+            let whole = |block: usize| {
+                let next = (block + 1).min(unknown.len() - 1);
+                unknown[block].any == Unknown::NONE && unknown[next].any == Unknown::NONE
+            };
             for at in (0..shared).step_by(S::F32_LANES) {
-                self.sort_columns(simd, start + at, &mut columns, at);
+                let block = at / MOST_LANES;
+                let columns_of = (unknown[block], at % MOST_LANES);
+                let windows = [whole(block.saturating_sub(1)), whole(block)];
+                if windows.contains(&true) {
+                    self.sort_columns(simd, start + at, columns_of, None, &mut columns, at);
+                }
+                if windows.contains(&false) {
+                    let along_y = self
+                        .trend
+                        .and_then(|trend| trend.of_columns(simd, start + at));
+                    self.sort_columns(simd, start + at, columns_of, along_y, &mut levelled, at);
+                }
             }
-            self.note_windows(start / MOST_LANES, &mut windows);
             for (block, out) in out.chunks_mut(S::F32_LANES).enumerate() {
                 let at = block * S::F32_LANES;
-                let known_here = windows[at / MOST_LANES];
-                let medians = if !known_here.some {
+                let block = at / MOST_LANES;
+                let medians = if whole(block) {
+                    Self::middle_of_columns(simd, &columns, at, None)[0]
+                } else if unknown[block].all == Unknown::ALL
+                    && unknown[block + 1].all == Unknown::ALL
+                {
                     simd.splat_f32s(f32::NAN)
-                } else if !known_here.all {
-                    let window = self.window::<S, SIDE, 25>(simd, start + at);
-                    let window = self.levelled::<S, SIDE, 25>(simd, start + at, window);
-                    known(simd, median_of_25(simd, balanced(simd, window)))
                 } else {
-                    Self::median_of_columns(simd, &columns, at)
+                    let along_x = self.trend.and_then(|trend| trend.at(simd, 0, start + at));
+                    let [median, next] = Self::middle_of_columns(simd, &levelled, at, along_x);
+                    let lower = lower_middles(unknown[block].odd, unknown[block + 1].odd);
+                    let lower = lanes_of(simd, lower, at % MOST_LANES);
+                    let lower = simd.less_than_f32s(lower, simd.splat_f32s(0.0));
+                    known(simd, simd.select_f32s(lower, next, median))
                 };
                 Self::write(keep, simd, out, medians);
             }
         }
     }
+}
+
+/// The values of the windows, brought to their middles along the slopes along x and y.
+#[inline(always)]
+fn levelled<S: Simd, const SIDE: usize, const N: usize>(
+    simd: S,
+    mut window: [S::f32s; N],
+    [along_x, along_y]: [S::f32s; 2],
+) -> [S::f32s; N] {
+    let middle = (SIDE / 2) as f32;
+    for y in 0..SIDE {
+        let rows = simd.splat_f32s(middle - y as f32);
+        for x in 0..SIDE {
+            let columns = simd.splat_f32s(middle - x as f32);
+            let value = window[SIDE * y + x];
+            let value = simd.mul_add_f32s(rows, along_y, value);
+            window[SIDE * y + x] = simd.mul_add_f32s(columns, along_x, value);
+        }
+    }
+    window
+}
+
+/// In which windows of a block infinities begin and end with the negative one, so that the middle one of all
+/// values is the smaller of the two in the middle of the known ones. A window ends where the one five columns
+/// further on begins: `here` and `next` say before which columns of this block and of the next an odd number is
+/// unknown.
+#[inline(always)]
+const fn lower_middles(here: u16, next: u16) -> u16 {
+    let beyond = (here >> SIDE) | (next << (MOST_LANES - SIDE));
+    here & !beyond
+}
+
+/// -1 where a bit is set, from the one of `lane` on, and 1 elsewhere.
+#[inline(always)]
+fn lanes_of<S: Simd>(simd: S, bits: u16, lane: usize) -> S::f32s {
+    let mut lanes = [0.0; MOST_LANES];
+    for i in 0..MOST_LANES {
+        let sign = u32::from(bits) >> i << 31;
+        lanes[i] = f32::from_bits(sign | 1.0f32.to_bits());
+    }
+    vector(simd, &lanes, lane)
 }
 
 /// NaN where the median is an infinity: where nothing is known, the middle one of them is left.
@@ -468,11 +610,15 @@ fn known<S: Simd>(simd: S, medians: S::f32s) -> S::f32s {
     simd.select_f32s(finite, medians, simd.splat_f32s(f32::NAN))
 }
 
-/// Replaces the unknown values of each lane by plus and minus infinity in turn, so that the median
-/// of all values is the median of the known ones.
+/// Replaces the unknown values of each lane by plus and minus infinity in turn, from `first` on, so that the
+/// median of all values is the median of the known ones.
 #[inline(always)]
-fn balanced<S: Simd, const N: usize>(simd: S, mut window: [S::f32s; N]) -> [S::f32s; N] {
-    let mut next = simd.splat_f32s(f32::INFINITY);
+fn balanced<S: Simd, const N: usize>(
+    simd: S,
+    mut window: [S::f32s; N],
+    first: S::f32s,
+) -> [S::f32s; N] {
+    let mut next = first;
     for values in &mut window {
         let known = simd.equal_f32s(*values, *values);
         *values = simd.select_f32s(known, *values, next);

@@ -159,6 +159,20 @@ impl RowSlopes<'_> {
     #[inline(always)]
     pub(crate) fn copy(self, plane: usize, x: usize, out: &mut [f32]) {
         let slopes = self.planes[plane];
+        // Whole tiles and vectors begin at even numbers, and most grids have twice the pixels of the coarser one.
+        if self.halvings == 1
+            && x.is_multiple_of(2)
+            && let Some(slopes) = slopes.get(x / 2..(x + out.len()).div_ceil(2))
+        {
+            let (pairs, rest) = out.as_chunks_mut::<2>();
+            for (pair, slope) in pairs.iter_mut().zip(slopes) {
+                *pair = [*slope; 2];
+            }
+            if let ([out], Some(slope)) = (rest, slopes.last()) {
+                *out = *slope;
+            }
+            return;
+        }
         let last = slopes.len() - 1;
         for (i, out) in out.iter_mut().enumerate() {
             *out = slopes[((x + i) >> self.halvings).min(last)];

@@ -1,4 +1,5 @@
 use ndarray::{Array2, ArrayView2};
+use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 use crate::Size;
@@ -24,7 +25,7 @@ pub(crate) fn reduce_into(plane: ArrayView2<'_, f32>, reduced: &mut Array2<f32>)
         .expect("a planned plane is contiguous")
         .par_chunks_exact_mut(width)
         .enumerate()
-        .for_each(|(y, out)| reduce_row(plane, y, out));
+        .for_each(|(y, out)| Arch::new().dispatch(ReduceRow { plane, y, out }));
 }
 
 /// Coarse pixels of a row that are made together, so that what they are made from needs no buffer.
@@ -33,34 +34,47 @@ const STRIP: usize = 256;
 /// Columns under the outer taps of a pixel, on either side.
 const REACH: usize = BINOMIAL.len() / 2;
 
-/// Row `y` of the coarser plane.
-fn reduce_row(plane: ArrayView2<'_, f32>, y: usize, out: &mut [f32]) {
-    let (height, width) = plane.dim();
-    for (strip, out) in out.chunks_mut(STRIP).enumerate() {
-        // The columns from the first pixel's first tap to the last pixel's last one; the first of
-        // those that the plane has stands at `first`.
-        let start = 2 * STRIP * strip;
-        let columns = start.saturating_sub(REACH)..(start + 2 * out.len() - 1 + REACH).min(width);
-        let first = columns.start + REACH - start;
-        let mut low_passed = [0.0f32; 2 * STRIP + 2 * REACH];
-        let own = &mut low_passed[first..first + columns.len()];
-        for (k, tap) in BINOMIAL.iter().enumerate() {
-            let row = plane.row((2 * y + k).saturating_sub(REACH).min(height - 1));
-            let row = row.to_slice().expect("a plane is contiguous");
-            for (sum, sample) in own.iter_mut().zip(&row[columns.clone()]) {
-                *sum += tap * sample;
+/// Row `y` of the coarser plane, compiled for the machine's vectors.
+struct ReduceRow<'a> {
+    plane: ArrayView2<'a, f32>,
+    y: usize,
+    out: &'a mut [f32],
+}
+
+impl NullaryFnOnce for ReduceRow<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { plane, y, out } = self;
+        let (height, width) = plane.dim();
+        for (strip, out) in out.chunks_mut(STRIP).enumerate() {
+            // The columns from the first pixel's first tap to the last pixel's last one; the first of
+            // those that the plane has stands at `first`.
+            let start = 2 * STRIP * strip;
+            let columns =
+                start.saturating_sub(REACH)..(start + 2 * out.len() - 1 + REACH).min(width);
+            let first = columns.start + REACH - start;
+            let mut low_passed = [0.0f32; 2 * STRIP + 2 * REACH];
+            let own = &mut low_passed[first..first + columns.len()];
+            for (k, tap) in BINOMIAL.iter().enumerate() {
+                let row = plane.row((2 * y + k).saturating_sub(REACH).min(height - 1));
+                let row = row.to_slice().expect("a plane is contiguous");
+                for (sum, sample) in own.iter_mut().zip(&row[columns.clone()]) {
+                    *sum += tap * sample;
+                }
             }
-        }
-        let (before, after) = (own[0], own[own.len() - 1]);
-        low_passed[..first].fill(before);
-        low_passed[first + columns.len()..].fill(after);
-        let windows = low_passed.windows(BINOMIAL.len()).step_by(2);
-        for (out, window) in out.iter_mut().zip(windows) {
-            let mut sum = 0.0;
-            for k in 0..BINOMIAL.len() {
-                sum += BINOMIAL[k] * window[k];
+            let (before, after) = (own[0], own[own.len() - 1]);
+            low_passed[..first].fill(before);
+            low_passed[first + columns.len()..].fill(after);
+            let windows = low_passed.windows(BINOMIAL.len()).step_by(2);
+            for (out, window) in out.iter_mut().zip(windows) {
+                let mut sum = 0.0;
+                for k in 0..BINOMIAL.len() {
+                    sum += BINOMIAL[k] * window[k];
+                }
+                *out = sum;
             }
-            *out = sum;
         }
     }
 }
