@@ -2,8 +2,9 @@ use std::f32::consts::FRAC_PI_2;
 use std::ops::Range;
 
 use ndarray::{Array2, ArrayView1, ArrayView2};
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Arch, NullaryFnOnce, Scalar};
 use rayon::prelude::*;
+use v1_gabor::machine::Machine;
 use v1_gabor::{Binocular, FilterBank, LumaImage, WaveVector, WrongSize};
 
 use crate::Validity;
@@ -12,6 +13,7 @@ use crate::dense::bank_rows::BankRows;
 use crate::dense::fitted::numbers;
 use crate::dense::nearest::{ROUNDER, nearest, place};
 use crate::phase::{angle, cosine, wrap};
+use crate::rough::Rough;
 use crate::vector::{store, vector};
 
 /// The most that the phase may move a shift, in pixels: what is left of a whole pixel after the
@@ -36,6 +38,9 @@ const MOST_ORIENTATIONS: usize = 8;
 
 /// At least the lanes of the widest vector there is.
 const MOST_LANES: usize = 16;
+
+/// Pixels and parts that are turned together.
+const SQUARE: usize = 8;
 
 /// Both eyes' responses of one bank along a row: for each pixel the even parts of all orientations,
 /// then the odd ones.
@@ -98,13 +103,14 @@ pub(crate) fn sharpen(
                 };
                 bands.push(Band { eyes, waves });
             }
-            Arch::new().dispatch(Row {
+            let row = Row {
                 bands: &bands,
                 dx,
                 coherence,
                 ranges: gates.ranges.row(y),
                 validity: gates.validity.row(y),
-            });
+            };
+            row.dispatch();
         }
         Ok(())
     })
@@ -119,18 +125,28 @@ struct Row<'a> {
     validity: ArrayView1<'a, Validity>,
 }
 
-impl WithSimd for Row<'_> {
-    type Output = ();
+impl Row<'_> {
+    /// Runs the row in the machine's vectors.
+    fn dispatch(self) {
+        match Arch::new() {
+            #[cfg(target_arch = "x86_64")]
+            Arch::V4(v4) => v4.vectorize(Compiled(self, v4, *v4)),
+            #[cfg(target_arch = "x86_64")]
+            Arch::V3(v3) => v3.vectorize(Compiled(self, v3, v3)),
+            _ => Compiled(self, Scalar, Scalar).call(),
+        }
+    }
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
+    fn walk<S: Rough, M: Machine<SQUARE>>(mut self, simd: S, machine: M) {
         let mut block = Block::default();
         let width = self.dx.len();
         for start in (0..width).step_by(S::F32_LANES) {
             let end = (start + S::F32_LANES).min(width);
             block.dx = [0.0; MOST_LANES];
             block.dx[..end - start].copy_from_slice(&self.dx[start..end]);
-            let (steps, agreements) = residual(simd, self.bands, (start..end, width), &mut block);
+            let (steps, agreements) =
+                residual(simd, machine, self.bands, (start..end, width), &mut block);
             for (i, x) in (start..end).enumerate() {
                 let takes = self.validity[x].is_valid()
                     && self.ranges[x] < MOST_RANGE_PX
@@ -142,6 +158,20 @@ impl WithSimd for Row<'_> {
                 }
             }
         }
+    }
+}
+
+/// One row's work, compiled for one machine.
+struct Compiled<'a, S, M>(Row<'a>, S, M);
+
+impl<S: Rough, M: Machine<SQUARE>> NullaryFnOnce for Compiled<'_, S, M> {
+    type Output = ();
+
+    // Inlined into the function that is compiled for the vector unit; a call would leave it.
+    #[inline(always)]
+    fn call(self) {
+        let Self(row, simd, machine) = self;
+        row.walk(simd, machine);
     }
 }
 
@@ -171,7 +201,13 @@ impl Default for Block {
 impl Block {
     /// Reads what both eyes say of a few pixels of a row.
     #[inline(always)]
-    fn read(&mut self, band: &Band<'_>, pixels: &Range<usize>, width: usize) {
+    fn read<M: Machine<SQUARE>>(
+        &mut self,
+        machine: M,
+        band: &Band<'_>,
+        pixels: &Range<usize>,
+        width: usize,
+    ) {
         // Where each shift leads, beyond the end of the row if it is out of view.
         let mut seen = [usize::MAX; MOST_LANES];
         for (lane, x) in pixels.clone().enumerate() {
@@ -179,9 +215,34 @@ impl Block {
         }
         let Binocular { left, right } = band.eyes;
         let parts = 2 * band.waves.len();
-        for (lane, x) in pixels.clone().enumerate() {
-            let own = &left[x * parts..][..parts];
-            // What is out of view answers nothing.
+        // Squares of pixels and parts are turned in registers: written part by part, they would have to be
+        // in the cache before vectors of them are read.
+        let squares = if parts.is_multiple_of(SQUARE) {
+            pixels.len() / SQUARE
+        } else {
+            0
+        };
+        for lane in (0..squares * SQUARE).step_by(SQUARE) {
+            for part in (0..parts).step_by(SQUARE) {
+                // What is out of view answers nothing.
+                let silence = machine.load(&[0.0; SQUARE]);
+                let (mut own, mut other) = ([silence; SQUARE], [silence; SQUARE]);
+                for i in 0..SQUARE {
+                    let x = pixels.start + lane + i;
+                    own[i] = machine.load(square(left, x * parts + part));
+                    if seen[lane + i] < width {
+                        other[i] = machine.load(square(right, seen[lane + i] * parts + part));
+                    }
+                }
+                let (own, other) = (machine.turn(own), machine.turn(other));
+                for i in 0..SQUARE {
+                    *square_mut(&mut self.left[part + i], lane) = machine.store(own[i]);
+                    *square_mut(&mut self.right[part + i], lane) = machine.store(other[i]);
+                }
+            }
+        }
+        for lane in squares * SQUARE..pixels.len() {
+            let own = &left[(pixels.start + lane) * parts..][..parts];
             let (seen, view) = if seen[lane] < width {
                 (seen[lane], 1.0)
             } else {
@@ -196,10 +257,25 @@ impl Block {
     }
 }
 
+/// The numbers of a side of a square, from `start` on.
+#[inline(always)]
+fn square(numbers: &[f32], start: usize) -> &[f32; SQUARE] {
+    numbers[start..].first_chunk().expect(WHOLE)
+}
+
+/// The same, to be written.
+#[inline(always)]
+fn square_mut(numbers: &mut [f32], start: usize) -> &mut [f32; SQUARE] {
+    numbers[start..].first_chunk_mut().expect(WHOLE)
+}
+
+const WHOLE: &str = "squares are whole";
+
 /// The shifts that the phases at a few pixels still ask for, and their agreement with them.
 #[inline(always)]
-fn residual<S: Simd>(
+fn residual<S: Rough, M: Machine<SQUARE>>(
     simd: S,
+    machine: M,
     bands: &[Band<'_>],
     (pixels, width): (Range<usize>, usize),
     block: &mut Block,
@@ -213,7 +289,7 @@ fn residual<S: Simd>(
     let (mut numerator, mut denominator, mut heard) = (zero, zero, zero);
     let mut channel = 0;
     for band in bands.iter().take(MOST_BANKS) {
-        block.read(band, &pixels, width);
+        block.read(machine, band, &pixels, width);
         for (q, wave) in band.waves.iter().enumerate() {
             let read = |parts: &[[f32; MOST_LANES]], part: usize| vector(simd, &parts[part], 0);
             let odd_part = band.waves.len() + q;
@@ -225,13 +301,15 @@ fn residual<S: Simd>(
             let wave_x = splat(wave.x);
             let turned = simd.mul_add_e_f32s(wave_x, beyond, angle(simd, odd, even));
             let phase = wrap(simd, turned);
-            let product = simd.sqrt_f32s(two(even, even, odd, odd));
+            let squared = two(even, even, odd, odd);
+            let product = simd.rough_root(simd.max_f32s(squared, tiny));
             let energy = simd.add_f32s(two(le, le, lo, lo), two(re, re, ro, ro));
             let twice = simd.add_f32s(product, product);
-            let balance = simd.div_f32s(twice, simd.max_f32s(energy, tiny));
-            let weight = simd.mul_f32s(simd.sqrt_f32s(product), simd.mul_f32s(balance, balance));
+            let balance = simd.mul_f32s(twice, simd.rough_reciprocal(simd.max_f32s(energy, tiny)));
+            let weight = simd.mul_f32s(simd.rough_root(product), simd.mul_f32s(balance, balance));
             let opposed = simd.less_than_f32s(splat(FRAC_PI_2), simd.abs_f32s(phase));
             let weight = simd.select_f32s(opposed, zero, weight);
+            let weight = simd.select_f32s(simd.less_than_f32s(tiny, squared), weight, zero);
             let weighed = simd.mul_f32s(weight, wave_x);
             numerator = simd.mul_add_e_f32s(weighed, phase, numerator);
             denominator = simd.mul_add_e_f32s(weighed, wave_x, denominator);
