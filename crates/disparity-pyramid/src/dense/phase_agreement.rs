@@ -1,5 +1,6 @@
-use pulp::{Arch, NullaryFnOnce};
+use pulp::{Arch, NullaryFnOnce, Scalar};
 use rayon::prelude::*;
+use v1_gabor::machine::Machine;
 use v1_gabor::{Binocular, FilterBank, LumaImage, WrongSize};
 
 use crate::SearchRange;
@@ -11,6 +12,9 @@ use crate::dense::wide::Wide;
 
 /// Orientations of the bank that the cost is taken from: more change nothing.
 pub(crate) const COST_ORIENTATIONS: usize = 4;
+
+/// Parts of a response: two an orientation.
+const PARTS: usize = 2 * COST_ORIENTATIONS;
 
 /// What is added to a part so that it has no sign: more than any part.
 const BIAS: u8 = 90;
@@ -178,35 +182,79 @@ impl<W: Wide> Left<W> {
 /// One row of responses of four orientations.
 struct NormalisedRow<'a> {
     /// Even and odd parts of each pixel.
-    samples: &'a [[f32; 2 * COST_ORIENTATIONS]],
+    samples: &'a [[f32; PARTS]],
     silent_energy: f32,
     /// The modulus of a full response.
     full: f32,
     rows: [&'a mut [[u8; 2]]; COST_ORIENTATIONS],
 }
 
-impl NullaryFnOnce for NormalisedRow<'_> {
+impl NormalisedRow<'_> {
+    /// Runs the row in the machine's vectors.
+    fn dispatch(self) {
+        match Arch::new() {
+            #[cfg(target_arch = "x86_64")]
+            Arch::V4(v4) => v4.vectorize(Compiled(self, *v4)),
+            #[cfg(target_arch = "x86_64")]
+            Arch::V3(v3) => v3.vectorize(Compiled(self, v3)),
+            _ => Compiled(self, Scalar).call(),
+        }
+    }
+
+    /// Codes of as many pixels as they have parts: turned, so that the same part of all lies side by side.
+    #[inline(always)]
+    fn code_square<M: Machine<PARTS>>(
+        &mut self,
+        machine: M,
+        x: usize,
+        square: &[[f32; PARTS]; PARTS],
+    ) {
+        let mut parts = [machine.load(&square[0]); PARTS];
+        for i in 1..PARTS {
+            parts[i] = machine.load(&square[i]);
+        }
+        let parts = machine.turn(parts);
+        for q in 0..COST_ORIENTATIONS {
+            let even = machine.store(parts[q]);
+            let odd = machine.store(parts[COST_ORIENTATIONS + q]);
+            let mut codes = [[0; 2]; PARTS];
+            for i in 0..PARTS {
+                let gain = self.gain(even[i], odd[i]);
+                codes[i] = [byte(even[i] * gain), byte(odd[i] * gain)];
+            }
+            let out = self.rows[q][x..].first_chunk_mut::<PARTS>();
+            *out.expect("a row has as many pixels as there are samples") = codes;
+        }
+    }
+
+    /// What a response is multiplied by. Silence over silence is silence.
+    #[inline(always)]
+    fn gain(&self, even: f32, odd: f32) -> f32 {
+        let energy = even * even + odd * odd;
+        self.full / (energy + self.silent_energy).max(f32::MIN_POSITIVE).sqrt()
+    }
+}
+
+/// One row's work, compiled for one machine.
+struct Compiled<'a, M>(NormalisedRow<'a>, M);
+
+impl<M: Machine<PARTS>> NullaryFnOnce for Compiled<'_, M> {
     type Output = ();
 
+    // Inlined into the function that is compiled for the vector unit; a call would leave it.
     #[inline(always)]
     fn call(self) {
-        let [a, b, c, d] = self.rows;
-        let rows = a.iter_mut().zip(b).zip(c.iter_mut().zip(d));
-        for (sample, ((a, b), (c, d))) in self.samples.iter().zip(rows) {
-            let energy: [f32; COST_ORIENTATIONS] = std::array::from_fn(|q| {
+        let Self(mut row, machine) = self;
+        let (squares, rest) = row.samples.as_chunks::<PARTS>();
+        for (i, square) in squares.iter().enumerate() {
+            row.code_square(machine, i * PARTS, square);
+        }
+        for (i, sample) in rest.iter().enumerate() {
+            for q in 0..COST_ORIENTATIONS {
                 let (even, odd) = (sample[q], sample[COST_ORIENTATIONS + q]);
-                even * even + odd * odd
-            });
-            // Silence over silence is silence.
-            let gain = energy.map(|energy| {
-                self.full / (energy + self.silent_energy).max(f32::MIN_POSITIVE).sqrt()
-            });
-            let code = |part: usize| byte(sample[part] * gain[part % COST_ORIENTATIONS]);
-            let codes: [u8; 2 * COST_ORIENTATIONS] = std::array::from_fn(code);
-            *a = [codes[0], codes[4]];
-            *b = [codes[1], codes[5]];
-            *c = [codes[2], codes[6]];
-            *d = [codes[3], codes[7]];
+                let gain = row.gain(even, odd);
+                row.rows[q][squares.len() * PARTS + i] = [byte(even * gain), byte(odd * gain)];
+            }
         }
     }
 }
@@ -243,12 +291,13 @@ impl NormalisedResponses {
                     let row: &mut [[u8; 2]] = each.next().unwrap_or_default();
                     row.get_mut(own.clone()).unwrap_or_default()
                 });
-                Arch::new().dispatch(NormalisedRow {
+                let row = NormalisedRow {
                     samples,
                     silent_energy,
                     full,
                     rows,
-                });
+                };
+                row.dispatch();
                 for row in parts.chunks_exact_mut(stride) {
                     padding.replicate(row);
                 }
