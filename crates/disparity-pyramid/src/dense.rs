@@ -26,6 +26,7 @@ mod fill;
 mod fitted;
 mod guide;
 mod hyperacuity;
+mod in_noise;
 mod local_range;
 mod look_back;
 mod nearest;

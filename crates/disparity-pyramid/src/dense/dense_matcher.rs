@@ -225,7 +225,8 @@ impl DenseMatcher {
         let lumas = eyes.map(|eye| eye.luma);
         self.choose_windows(&lumas, search, workspace)?;
         let DenseParams { colour, noisy, .. } = self.params;
-        workspace.guides.left.take_in(&eyes.left, colour, noisy);
+        let noise = workspace.guides.left.take_in(&eyes.left, colour, noisy);
+        let params = noise.map_or(self.params, |noise| self.params.in_noise(noise));
         if self.params.look_back == LookBack::OwnPaths {
             workspace.guides.right.take_in(&eyes.right, colour, noisy);
             workspace.guides.right.mirror();
@@ -234,11 +235,11 @@ impl DenseMatcher {
         fit(validity, self.size, Validity::NoEnergy);
         fit(&mut workspace.margin, self.size, 0);
         fit(&mut workspace.other_dx, self.size, 0.0);
-        let penalty = StepPenalty::new(&self.params);
+        let penalty = StepPenalty::new(&params);
         let (bank, unit) = (&self.cost_bank, penalty.unit);
         match self.params.cost {
             Cost::PhaseAgreement => {
-                let silent = self.params.silent_energy;
+                let silent = params.silent_energy;
                 let mut cost = std::mem::take(&mut workspace.agreement);
                 let rows = &mut workspace.bank_rows;
                 cost.take_in(bank, lumas, silent, (search, unit), rows)?;

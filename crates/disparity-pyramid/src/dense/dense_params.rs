@@ -28,7 +28,8 @@ pub struct DenseParams {
     /// shift costs a third: depth may end where colour does.
     pub edge_softness: f32,
     /// The noise of a picture, in parts of the whole range of grey, from which on it is smoothed before it says
-    /// where surfaces end (the responses are not): 1 never does.
+    /// where surfaces end (the responses are not), responses are silent up to the noise, and steps cost less:
+    /// 1 never does.
     pub noisy: f32,
     /// How the other eye's shifts are found for the look back.
     pub look_back: LookBack,

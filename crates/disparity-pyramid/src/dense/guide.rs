@@ -41,8 +41,8 @@ impl NullaryFnOnce for Greys<'_> {
 impl Guide {
     /// Takes in the colours of a view, or its luma in 256 steps from 0 to 1 if it has none or they are
     /// not asked for. From a noise of `noisy` on, in parts of the whole range, they are smoothed first: a step
-    /// of noise is no end of a surface.
-    pub(crate) fn take_in(&mut self, view: &EyeView<'_>, colour: bool, noisy: f32) {
+    /// of noise is no end of a surface. Gives the noise's standard deviation then.
+    pub(crate) fn take_in(&mut self, view: &EyeView<'_>, colour: bool, noisy: f32) -> Option<f32> {
         let size = view.luma.size();
         (self.width, self.height) = (size.width, size.height);
         match view.rgb.filter(|_| colour) {
@@ -68,14 +68,16 @@ impl Guide {
             }
         }
         // The noise of colours is about that of one of them.
-        if noisy < 1.0
-            && noise_level(&self.channels[0], self.width, &mut self.noise) >= noisy * 255.0
-        {
+        let noise = (noisy < 1.0)
+            .then(|| noise_level(&self.channels[0], self.width, &mut self.noise) / 255.0)
+            .filter(|noise| *noise >= noisy);
+        if noise.is_some() {
             for plane in &mut self.channels {
                 soften(plane, self.width, &mut self.rows);
             }
         }
         self.take_steps();
+        noise
     }
 
     /// The steps of colours that are there.
