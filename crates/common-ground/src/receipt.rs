@@ -28,8 +28,14 @@ pub enum Verdict {
         /// What became different in the memory of its robot.
         changes: Vec<Change>,
     },
-    /// It, or a later one, was in the map before; the map stays as it was. A robot that got no receipt sends again.
+    /// It was in the map before, or counted as lost since a later one is; the map stays as it was. A robot that got no receipt sends again.
     Again,
+    /// Reports before it are still to come ([`Report::kept_from`](crate::Report::kept_from)), and it was not taken: the
+    /// robot sends again from the expected one on, in order.
+    Early {
+        /// The number of the next report that the map takes.
+        expected: u64,
+    },
     /// The memory of its robot refused it, and stays as it was.
     Refused {
         /// Why.
@@ -38,7 +44,7 @@ pub enum Verdict {
 }
 
 impl Receipt {
-    /// Whether the map now holds the report, from this time or an earlier one.
+    /// Whether the report needs no sending any more: the map holds it, from this time or an earlier one.
     #[must_use]
     pub const fn is_taken(&self) -> bool {
         matches!(self.verdict, Verdict::Taken { .. } | Verdict::Again)

@@ -14,6 +14,10 @@ pub struct Report {
     pub run: u64,
     /// The number of this report within its run, from 1 on, without gaps: a gap is a report lost on the way.
     pub seq: u64,
+    /// The oldest report of this run that the robot keeps until its receipt, and will send again; without it, none is
+    /// kept. What is missing from there on is still to come, and what is missing before is lost.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub kept_from: Option<u64>,
     /// What; a question is no report.
     pub line: MemoryLine,
 }

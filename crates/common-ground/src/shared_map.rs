@@ -64,7 +64,8 @@ impl SharedMap {
     }
 
     /// Takes in a report. The first of a robot opens its memory. One that was taken before, or is older than the
-    /// last, changes nothing; a gap before it counts as lost.
+    /// last, changes nothing; a gap before it counts as lost, unless the robot keeps what is missing: then the report is
+    /// early, and not taken before that has come.
     ///
     /// # Panics
     /// Never: the parameters were checked when the map was made.
@@ -85,6 +86,16 @@ impl SharedMap {
         if last.is_some_and(|last| (report.run, report.seq) <= last) {
             return receipt(lost, Verdict::Again);
         }
+        let expected = match last {
+            Some((run, seq)) if run == report.run => seq + 1,
+            _ => 1,
+        };
+        let to_come = report
+            .kept_from
+            .is_some_and(|from| from.max(expected) < report.seq);
+        if to_come {
+            return receipt(lost, Verdict::Early { expected });
+        }
         let kept = self.robots.entry(report.robot.clone()).or_insert_with(|| {
             let memory = SceneMemory::new(&self.reference, self.params);
             RobotMemory {
@@ -94,12 +105,7 @@ impl SharedMap {
                 memory: memory.expect("the parameters were checked when the map was made"),
             }
         });
-        let before = if kept.last.0 == report.run {
-            kept.last.1
-        } else {
-            0
-        };
-        kept.lost += report.seq - before - 1;
+        kept.lost += report.seq - expected;
         kept.last = (report.run, report.seq);
         let lost = kept.lost;
         match kept.memory.take(report.line.clone()) {

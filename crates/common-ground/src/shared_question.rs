@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
-use allocentric_qsr::{Answer, BadQuery, ObjectId, Query, SceneMemory, Unanswerable};
+use allocentric_qsr::{Answer, BadQuery, ObjectId, Observer, Query, SceneMemory, Unanswerable};
 
 use crate::contradiction::{Contradiction, Witness};
 use crate::{RobotId, SharedMap};
@@ -185,18 +185,17 @@ impl SharedMap {
 
 /// The objects a question is about; `None` if it is about whatever is there.
 fn named(query: &Query) -> Option<Vec<&ObjectId>> {
-    let seen_from = |observer| match observer {
-        &allocentric_qsr::Observer::Object(ref name) => Some(name),
-        _ => None,
-    };
     match query {
         Query::Relation {
             of,
             from,
             seen_from: observer,
         } => {
-            let both = [Some(of), Some(from), seen_from(observer)];
-            Some(both.into_iter().flatten().collect())
+            let mut names = vec![of, from];
+            if let Observer::Object(name) = observer {
+                names.push(name);
+            }
+            Some(names)
         }
         Query::LastSeen(object) | Query::Where(object) => Some(vec![object]),
         Query::Explain(of, from) => Some(vec![of, from]),

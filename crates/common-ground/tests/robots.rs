@@ -1,4 +1,5 @@
 //! Several robots in one map: each as it would be alone, what joins them, what they contradict.
+#![allow(clippy::unwrap_used, reason = "what a law sets up by hand exists")]
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -66,6 +67,7 @@ fn report(robot: &str, seq: u64, line: MemoryLine) -> Report {
         robot: robot.into(),
         run: 1,
         seq,
+        kept_from: None,
         line,
     }
 }
@@ -182,6 +184,34 @@ fn what_never_came_is_counted_and_what_came_twice_is_taken_once() {
     assert!(matches!(map.take(&back).verdict, Verdict::Refused { .. }));
     assert_eq!(*alone(&map, "a"), before);
     assert_eq!(map.robot(&"a".into()).unwrap().refused, 1);
+}
+
+/// A robot that keeps what is not acknowledged loses nothing to a queue that drops, and is not told that the map has
+/// what it has not.
+#[test]
+fn what_a_robot_keeps_is_waited_for() {
+    let mut map = empty();
+    let kept = |seq, from| Report {
+        kept_from: Some(from),
+        ..report("a", seq, look(A, seq, &ROOM))
+    };
+    assert!(map.take(&kept(1, 1)).is_taken());
+    // The second was dropped; the third must wait for it.
+    let early = map.take(&kept(3, 2));
+    assert_eq!(early.verdict, Verdict::Early { expected: 2 });
+    assert!(!early.is_taken());
+    assert!(map.take(&kept(2, 2)).is_taken());
+    assert!(map.take(&kept(3, 2)).is_taken());
+    assert_eq!(map.robot(&"a".into()).unwrap().lost, 0);
+    // What the robot does not keep any more will never come.
+    let after = map.take(&kept(6, 6));
+    assert!(after.is_taken());
+    assert_eq!(after.lost, 2);
+    // A robot that nobody has heard of and that keeps its first is waited for too.
+    let mut late = kept(2, 1);
+    late.robot = "b".into();
+    assert_eq!(map.take(&late).verdict, Verdict::Early { expected: 1 });
+    assert!(map.robot(&"b".into()).is_none());
 }
 
 /// Some things, each at a distance and a bearing.

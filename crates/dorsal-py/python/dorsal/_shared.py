@@ -32,9 +32,10 @@ class SharedMap:
     def take(self, reports: Iterable[dict[str, Any] | str]) -> list[dict[str, Any]]:
         """Takes reports in, all with one write, and gives a receipt for each.
 
-        A report has ``robot``, ``run``, ``seq`` and ``line``, or is the JSON of it. A receipt repeats the first three
-        and has ``lost``, how many reports of that robot never came, and ``verdict``: ``"taken"`` with ``changes``,
-        ``"again"``, or ``"refused"`` with ``why``.
+        A report has ``robot``, ``run``, ``seq``, ``line`` and, of a robot that sends again, ``kept_from``; or is the JSON
+        of it. A receipt repeats the first three and has ``lost``, how many reports of that robot never came, and
+        ``verdict``: ``"taken"`` with ``changes``, ``"again"``, ``"early"`` with what is ``expected``, or ``"refused"``
+        with ``why``.
         """
         texts = [one if isinstance(one, str) else json.dumps(one) for one in reports]
         return [json.loads(receipt) for receipt in self._native.take(texts)]
