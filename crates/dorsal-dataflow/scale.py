@@ -5,6 +5,7 @@
 Prints a row of a Markdown table for each number of robots. A report is due every 100 ms of each robot, evenly spread; the
 latency is from when it was due to when its receipt was there, the question (one after every 10th report) answered
 with it, so that waiting in line counts. Five sightings a report, eight things a room, ten robots a room.
+Once a report is more than five seconds late, the rest of its round is given up.
 """
 
 import json
