@@ -26,6 +26,7 @@ mod confidence_run;
 mod continuous;
 mod curve_svg;
 mod data_folder;
+mod dataflow;
 mod date;
 mod dense_results_page;
 mod depth_run;
@@ -129,6 +130,7 @@ enum Task {
     EvalVergent(eval_vergent::Options),
     PopulationPictures(population_pictures::Options),
     Wheel(wheel::Options),
+    Dataflow(dataflow::Options),
 }
 
 fn main() -> ExitCode {
@@ -155,6 +157,7 @@ fn main() -> ExitCode {
         Task::EvalVergent(options) => eval_vergent::run(&options),
         Task::PopulationPictures(options) => population_pictures::run(&options),
         Task::Wheel(options) => wheel::run_task(&options),
+        Task::Dataflow(options) => dataflow::run_task(&options),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

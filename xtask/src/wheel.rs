@@ -14,7 +14,7 @@ const MOST_BYTES: u64 = 8_000_000;
 const BUILDER: &str = "maturin==1.16.0";
 
 /// What the tests run on. The wheel's own dependency is NumPy alone.
-const TESTER: &str = "pytest==9.2.0";
+pub(crate) const TESTER: &str = "pytest==9.2.0";
 
 /// Builds the Python wheel, installs it into a fresh virtual environment with NumPy alone, and tests it there
 ///
@@ -37,15 +37,21 @@ pub(crate) struct Options {
     no_tests: bool,
 }
 
-pub(crate) fn run_task(options: &Options) -> anyhow::Result<()> {
+/// The folder of the repository and that of what is built.
+pub(crate) fn folders() -> anyhow::Result<(&'static Path, PathBuf)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"))
         .parent()
         .context("xtask stands in the workspace")?;
     let target =
         std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
-    version_of(&options.python)?;
+    Ok((root, target))
+}
 
-    let builder = Environment::kept(&target.join("wheel-builder"), &options.python, &[BUILDER])?;
+/// Builds the wheel, checks its size, and says where it is.
+pub(crate) fn build(python: &Path) -> anyhow::Result<PathBuf> {
+    let (root, target) = folders()?;
+    version_of(python)?;
+    let builder = Environment::kept(&target.join("wheel-builder"), python, &[BUILDER])?;
     let wheels = target.join("wheels");
     if wheels.exists() {
         fs::remove_dir_all(&wheels)
@@ -74,6 +80,12 @@ pub(crate) fn run_task(options: &Options) -> anyhow::Result<()> {
         bytes < MOST_BYTES,
         "a wheel of {bytes} bytes is larger than {MOST_BYTES}; look at what it links"
     );
+    Ok(wheel)
+}
+
+pub(crate) fn run_task(options: &Options) -> anyhow::Result<()> {
+    let (root, target) = folders()?;
+    let wheel = build(&options.python)?;
     if options.no_tests {
         return Ok(());
     }
@@ -149,13 +161,13 @@ fn only_wheel(folder: &Path) -> anyhow::Result<PathBuf> {
 }
 
 /// A Python virtual environment.
-struct Environment {
+pub(crate) struct Environment {
     folder: PathBuf,
 }
 
 impl Environment {
     /// The environment of these packages, made if it is not there yet.
-    fn kept(folder: &Path, python: &Path, packages: &[&str]) -> anyhow::Result<Self> {
+    pub(crate) fn kept(folder: &Path, python: &Path, packages: &[&str]) -> anyhow::Result<Self> {
         let done = folder.join("installed");
         let wanted = packages.join(" ");
         let there = Self {
@@ -180,7 +192,7 @@ impl Environment {
         })
     }
 
-    fn install(&self, packages: &[&str]) -> anyhow::Result<()> {
+    pub(crate) fn install(&self, packages: &[&str]) -> anyhow::Result<()> {
         println!("Installing {} and what it needs", packages.join(" "));
         let installed = run(Command::new(self.program("python"))
             .args([
@@ -219,7 +231,7 @@ impl Environment {
         Ok(())
     }
 
-    fn program(&self, name: &str) -> PathBuf {
+    pub(crate) fn program(&self, name: &str) -> PathBuf {
         if cfg!(windows) {
             self.folder.join("Scripts").join(format!("{name}.exe"))
         } else {

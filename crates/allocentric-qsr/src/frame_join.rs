@@ -36,7 +36,10 @@ impl FrameJoin {
     /// Errors of landmarks seen from one pose are correlated in a way nobody knows, so the
     /// information of n of them counts as their mean and not as their sum: covariance intersection
     /// with equal weights.
-    fn fit(landmarks: &[(ObjectId, GroundEstimate, GroundEstimate)], gate: f64) -> Option<Self> {
+    pub(crate) fn fit(
+        landmarks: &[(ObjectId, GroundEstimate, GroundEstimate)],
+        gate: f64,
+    ) -> Option<Self> {
         if landmarks.len() < 2 {
             return None;
         }

@@ -109,9 +109,11 @@
 //! [`EgocentricRecord`], [`RelationRecord`], [`CompositionTable`], [`AllocentricMap`],
 //! [`Explanation`] and [`MemoryLine`] show their form in JSON; [`SceneMemory::to_json`] writes a
 //! snapshot, [`GqrCalculus`] and [`ConstraintNetwork::to_gqr`] what the solver GQR reads. Note the two labels `n`: *nearby* among depths, *none* among orientations.
+mod agreement;
 mod allocentric_map;
 mod answer;
 mod ask;
+mod beside;
 mod case;
 mod certainty;
 mod composition;
@@ -180,6 +182,7 @@ mod triangle_table;
 mod word_table;
 mod words;
 
+pub use agreement::{Agreement, Disputed};
 pub use allocentric_map::{AllocentricMap, Inconsistent, Moved, Remembered};
 pub use answer::Answer;
 pub use ask::Unanswerable;

@@ -118,10 +118,15 @@ impl SceneMemory {
     /// memory as it was.
     pub fn take_line(&mut self, line: &str) -> MemoryReply {
         let refused = |error: &dyn std::fmt::Display| MemoryReply::Refused(error.to_string());
-        let line: MemoryLine = match serde_json::from_str(line) {
-            Ok(line) => line,
-            Err(error) => return refused(&error),
-        };
+        match serde_json::from_str(line) {
+            Ok(line) => self.take(line),
+            Err(error) => refused(&error),
+        }
+    }
+
+    /// Takes a line that has been read, and answers it as [`SceneMemory::take_line`] does.
+    pub fn take(&mut self, line: MemoryLine) -> MemoryReply {
+        let refused = |error: &dyn std::fmt::Display| MemoryReply::Refused(error.to_string());
         let changes = match line {
             MemoryLine::Ask(words) => {
                 return match words.parse() {

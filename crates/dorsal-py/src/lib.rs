@@ -18,6 +18,7 @@ mod qsr;
 mod refusal;
 mod rig;
 mod scene_record;
+mod shared;
 mod threads;
 mod v1;
 
@@ -46,6 +47,8 @@ mod _native {
     use crate::refusal::Refused;
     #[pymodule_export]
     use crate::rig::Rig;
+    #[pymodule_export]
+    use crate::shared::SharedMap;
     #[pymodule_export]
     use crate::threads::set_threads;
     #[pymodule_export]

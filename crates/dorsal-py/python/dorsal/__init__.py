@@ -18,6 +18,7 @@ from dorsal._records import Answer, LocatedObject, Place, Relation, Unlocated
 from dorsal.depth import DepthMap, Rig
 from dorsal.disparity import DisparityField
 from dorsal._plot import plot
+from dorsal._shared import SharedMap
 from dorsal.qsr import SceneMemory, Sighting
 
 __all__ = [
@@ -31,6 +32,7 @@ __all__ = [
     "Relation",
     "Rig",
     "SceneMemory",
+    "SharedMap",
     "Sighting",
     "Unlocated",
     "__version__",
