@@ -6,11 +6,11 @@ const SILENT_ENERGY_OF_VARIANCE: f32 = 0.05;
 
 /// What is left of the penalties: with noise in both eyes the costs of what matches and of what does not lie
 /// nearer together, and undiminished penalties would join surfaces.
-const SMALL_STEP: f32 = 0.6;
+const SMALL_STEP: f32 = 0.7;
 const LARGE_STEP: f32 = 0.45;
 
 /// What is left of the step of the picture at which a larger step costs a third, where steps are smoothed.
-const EDGE_SOFTNESS: f32 = 0.6;
+const EDGE_SOFTNESS: f32 = 0.8;
 
 impl DenseParams {
     /// These for a picture whose noise has this standard deviation, in parts of the whole range.
