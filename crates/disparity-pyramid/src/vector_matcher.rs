@@ -241,9 +241,16 @@ impl PairSearch for SeenPair<'_> {
         scales: usize,
         field: &mut DisparityField,
     ) -> Result<(), Mismatch> {
-        if self.matcher.by_rows {
+        if self.matcher.by_rows && scales > 1 {
             self.walk(params, scales, field);
             return Ok(());
+        }
+        if self.matcher.by_rows {
+            // The way back begins at the finest scale then, whose responses are needed twice.
+            let bank = &self.matcher.bank;
+            let held = self.images.try_map(|eye| bank.respond(eye))?;
+            let room = (&mut self.matcher.workspace, field);
+            return estimate_scales_into(&held, *params, scales, room);
         }
         let VectorMatcher {
             responses,
