@@ -48,6 +48,17 @@ struct Seen {
     place: EgocentricPlace,
 }
 
+impl Default for QualitativeScene {
+    /// A look at nothing, in the classes of [`DepthReference::robot_120`].
+    fn default() -> Self {
+        Self {
+            reference: DepthReference::robot_120(),
+            params: QualifyParams::default(),
+            seen: BTreeMap::new(),
+        }
+    }
+}
+
 impl QualitativeScene {
     /// Qualifies the sightings of one look with the default [`QualifyParams`].
     ///

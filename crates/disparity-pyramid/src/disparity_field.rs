@@ -101,6 +101,38 @@ impl DisparityField {
         })
     }
 
+    /// Writes over the field, in as much of its room as fits: `answer` gives the disparity and the validity
+    /// of each pixel `(x, y)`. A shift that is not finite, or a confidence outside `[0, 1]`, becomes 0 and
+    /// incoherent; what it says of covariances is not taken.
+    pub fn write_over(
+        &mut self,
+        size: Size,
+        answer: impl Fn(usize, usize) -> (Disparity, Validity) + Sync,
+    ) {
+        if self.size() != size {
+            for plane in [&mut self.dx, &mut self.dy, &mut self.confidence] {
+                *plane = Array2::zeros(size.dim());
+            }
+            self.validity = Array2::from_elem(size.dim(), Validity::NoEnergy);
+        }
+        self.covariance = None;
+        Zip::indexed(&mut self.dx)
+            .and(&mut self.dy)
+            .and(&mut self.confidence)
+            .and(&mut self.validity)
+            .par_for_each(|(y, x), dx, dy, confidence, validity| {
+                let (found, reason) = answer(x, y);
+                let sound = found.dx.is_finite()
+                    && found.dy.is_finite()
+                    && (0.0..=1.0).contains(&found.confidence);
+                (*dx, *dy, *confidence, *validity) = if sound {
+                    (found.dx, found.dy, found.confidence, reason)
+                } else {
+                    (0.0, 0.0, 0.0, Validity::Incoherent)
+                };
+            });
+    }
+
     /// Takes planes that the estimator has made, of one size and all finite by construction.
     pub(crate) fn trusted(
         dx: Array2<f32>,

@@ -69,7 +69,9 @@ pub fn estimate(
     eyes: &Binocular<V1Responses>,
     params: MatchParams,
 ) -> Result<DisparityField, Mismatch> {
-    estimate_over(eyes, params, eyes.left.scales().len())
+    let mut field = DisparityField::default();
+    estimate_into(eyes, params, &mut MatchWorkspace::new(), &mut field)?;
+    Ok(field)
 }
 
 /// The same into a field that may be of another pair, in buffers that are kept: for pair after pair,
@@ -87,17 +89,6 @@ pub fn estimate_into(
 }
 
 /// The same over the finest `scales` of those that the eyes hold.
-pub(crate) fn estimate_over(
-    eyes: &Binocular<V1Responses>,
-    params: MatchParams,
-    scales: usize,
-) -> Result<DisparityField, Mismatch> {
-    let mut field = DisparityField::default();
-    let room = (&mut MatchWorkspace::new(), &mut field);
-    estimate_scales_into(eyes, params, scales, room)?;
-    Ok(field)
-}
-
 pub(crate) fn estimate_scales_into(
     eyes: &Binocular<V1Responses>,
     params: MatchParams,

@@ -1,10 +1,11 @@
 use v1_gabor::{Binocular, GaborParams, V1Responses};
 
-use crate::estimate::estimate_over;
-use crate::{CoarseVotes, DisparityField, MatchParams, Mismatch, Start, most_consistent};
+use crate::pair_search::{HeldPair, PairSearch};
+use crate::{DisparityField, MatchParams, Mismatch, Start, most_consistent};
 
-/// What a search of which nothing was known found, and where it began.
-#[derive(Clone, Debug, PartialEq)]
+/// What a search of which nothing was known found, and where it began. The default is
+/// what nothing gave, to be written over.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct FromVotes {
     /// The vector disparity of every pixel of the left image.
     pub field: DisparityField,
@@ -43,19 +44,21 @@ const COMPETING_COHERENCE: f32 = 0.7;
 /// [`Mismatch`] as `estimate`.
 pub fn estimate_from_votes(
     eyes: &Binocular<V1Responses>,
-    mut params: MatchParams,
+    params: MatchParams,
 ) -> Result<FromVotes, Mismatch> {
-    let held = eyes.left.scales().len();
-    let from = |params: &MatchParams, start: Option<Start>| {
-        let wanted = start.map_or(GaborParams::default().scales, |start| start.scales());
-        let scales = wanted.min(held);
-        let params = MatchParams {
-            zero_disparity_px: start.map_or(params.zero_disparity_px, |start| start.shift_px),
-            ..*params
-        };
-        Ok::<_, Mismatch>((estimate_over(eyes, params, scales)?, scales))
-    };
-    let mut starts = CoarseVotes::count(eyes).map_or_else(Vec::new, |votes| {
+    let mut found = FromVotes::default();
+    search_from_votes(&mut HeldPair::of(eyes), params, &mut found)?;
+    Ok(found)
+}
+
+/// The same of any pair, written over what an earlier one gave.
+pub(crate) fn search_from_votes(
+    pair: &mut impl PairSearch,
+    mut params: MatchParams,
+    found: &mut FromVotes,
+) -> Result<(), Mismatch> {
+    let held = pair.held_scales();
+    let mut starts = pair.votes().map_or_else(Vec::new, |votes| {
         let middle = votes.middle();
         if middle.scales() <= NEAR_SCALES {
             vec![middle]
@@ -78,16 +81,31 @@ pub fn estimate_from_votes(
         params.contradictions = None;
         params.least_coherence = params.least_coherence.min(COMPETING_COHERENCE);
     }
-    let found = starts.iter().map(|&start| from(&params, Some(start)));
-    let found = found.collect::<Result<Vec<_>, _>>()?;
-    let (fields, scales): (Vec<_>, Vec<_>) = found.into_iter().unzip();
-    let (field, scales) = match (most_consistent(&fields), scales.into_iter().max()) {
-        (Some(field), Some(scales)) => (field, scales),
-        _ => from(&params, None)?,
+    let mut from = |start: Option<Start>, field: &mut DisparityField| {
+        let wanted = start.map_or(GaborParams::default().scales, |start| start.scales());
+        let scales = wanted.min(held);
+        let params = MatchParams {
+            zero_disparity_px: start.map_or(params.zero_disparity_px, |start| start.shift_px),
+            ..params
+        };
+        pair.search(&params, scales, field)?;
+        Ok::<_, Mismatch>(scales)
     };
-    Ok(FromVotes {
-        field,
-        starts,
-        scales,
-    })
+    found.scales = match starts.as_slice() {
+        [] => from(None, &mut found.field)?,
+        [only] => from(Some(*only), &mut found.field)?,
+        several => {
+            let mut fields = vec![DisparityField::default(); several.len()];
+            let mut scales = 0;
+            for (&start, field) in several.iter().zip(&mut fields) {
+                scales = scales.max(from(Some(start), field)?);
+            }
+            if let Some(field) = most_consistent(&fields) {
+                found.field = field;
+            }
+            scales
+        }
+    };
+    found.starts = starts;
+    Ok(())
 }

@@ -1,7 +1,8 @@
 use v1_gabor::{Binocular, GaborParams, V1Responses};
 
-use crate::estimate::estimate_over;
-use crate::{FromVotes, MatchParams, Mismatch, estimate_from_votes};
+use crate::estimate_from_votes::search_from_votes;
+use crate::pair_search::{HeldPair, PairSearch};
+use crate::{FromVotes, MatchParams, Mismatch};
 
 /// The part of the pixels that are valid where a search reaches what is seen. Of the pairs measured,
 /// those that it reaches have three fifths and more, those that it misses little more than a third at most.
@@ -24,19 +25,28 @@ pub fn estimate_near_first(
     eyes: &Binocular<V1Responses>,
     params: MatchParams,
 ) -> Result<FromVotes, Mismatch> {
-    let scales = GaborParams::default().scales.min(eyes.left.scales().len());
-    let near = FromVotes {
-        field: estimate_over(eyes, params, scales)?,
-        starts: Vec::new(),
-        scales,
-    };
-    if near.field.density() >= ENOUGH {
-        return Ok(near);
+    let mut found = FromVotes::default();
+    search_near_first(&mut HeldPair::of(eyes), params, &mut found)?;
+    Ok(found)
+}
+
+/// The same of any pair, written over what an earlier one gave.
+pub(crate) fn search_near_first(
+    pair: &mut impl PairSearch,
+    params: MatchParams,
+    found: &mut FromVotes,
+) -> Result<(), Mismatch> {
+    let scales = GaborParams::default().scales.min(pair.held_scales());
+    pair.search(&params, scales, &mut found.field)?;
+    found.starts.clear();
+    found.scales = scales;
+    if found.field.density() >= ENOUGH {
+        return Ok(());
     }
-    let found = estimate_from_votes(eyes, params)?;
-    Ok(if found.field.density() > near.field.density() {
-        found
-    } else {
-        near
-    })
+    let mut voted = FromVotes::default();
+    search_from_votes(pair, params, &mut voted)?;
+    if voted.field.density() > found.field.density() {
+        *found = voted;
+    }
+    Ok(())
 }

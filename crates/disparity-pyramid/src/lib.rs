@@ -77,6 +77,7 @@ mod object_params;
 mod one_warp_params;
 #[cfg(target_arch = "x86_64")]
 mod pair_read;
+mod pair_search;
 mod phase;
 mod pooled_fit;
 mod population;

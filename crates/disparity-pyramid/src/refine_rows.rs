@@ -14,7 +14,7 @@ use crate::{MatchParams, Validity};
 /// Two eyes whose responses at the finest scale are computed row by row.
 pub(crate) struct RowEyes<'a> {
     pub(crate) bank: &'a FilterBank,
-    pub(crate) images: &'a Binocular<LumaImage>,
+    pub(crate) images: Binocular<&'a LumaImage>,
     pub(crate) waves: &'a [WaveVector],
     /// How far each pixel that is fitted is from the next, along rows and columns.
     pub(crate) step: usize,
@@ -155,7 +155,7 @@ impl Band {
                 let row = &mut self.right.as_mut_slice()[place * stride..][..stride];
                 respond(
                     eyes.bank,
-                    &eyes.images.right,
+                    eyes.images.right,
                     next,
                     &mut self.workspace,
                     row,
@@ -163,7 +163,7 @@ impl Band {
                 next += 1;
             }
             let row = self.left.as_mut_slice();
-            respond(eyes.bank, &eyes.images.left, y, &mut self.workspace, row);
+            respond(eyes.bank, eyes.images.left, y, &mut self.workspace, row);
             let warp = Warp {
                 samples: self.right.as_slice(),
                 row_mask: held as u32 - 1,

@@ -19,7 +19,7 @@ pub struct Start {
 }
 
 /// The scale that is searched is the finest whose longer side has at most so many pixels.
-const LONGEST_SIDE: usize = 96;
+pub(crate) const LONGEST_SIDE: usize = 96;
 
 /// Shifts are searched to so much of the longer side either way along x, and of the shorter along y.
 const REACH_X: f32 = 0.5;
@@ -88,6 +88,12 @@ impl CoarseVotes {
     /// hundred coarse pixels vote.
     #[must_use]
     pub fn count(eyes: &Binocular<V1Responses>) -> Option<Self> {
+        Self::count_coarser(eyes, 0)
+    }
+
+    /// The same of responses whose first scale is not the image's finest but the one after so many
+    /// `halvings`; that one must not be the scale that is searched.
+    pub(crate) fn count_coarser(eyes: &Binocular<V1Responses>, halvings: usize) -> Option<Self> {
         let small = |scale: &Responses| scale.size().width.max(scale.size().height) <= LONGEST_SIDE;
         let scales = eyes.left.scales();
         let scale = scales.iter().position(small).unwrap_or(scales.len() - 1);
@@ -97,7 +103,7 @@ impl CoarseVotes {
         let eyes = eyes.as_ref().map(|eye| Phases::of(eye, scale));
         let (votes, voters) = mutual_matches(&eyes.left, &eyes.right);
         let mutual = voters as f32 / (eyes.left.width * eyes.left.height) as f32;
-        let pixel = 2f32.powi(scale as i32);
+        let pixel = 2f32.powi((halvings + scale) as i32);
         (mutual >= LEAST_MUTUAL).then_some(Self {
             votes,
             mutual,

@@ -1,14 +1,20 @@
+use std::borrow::Borrow;
+
 use ndarray::Array2;
 use v1_gabor::{
     BankWorkspace, Binocular, FilterBank, LumaImage, Size, V1Responses, WaveVector, WrongSize,
 };
 
 use crate::estimate::{both_ways, estimate_scales_into};
+use crate::estimate_from_votes::search_from_votes;
+use crate::estimate_near_first::search_near_first;
 use crate::grid::Grid;
+use crate::pair_search::PairSearch;
 use crate::refine::{Eyes, refine};
 use crate::refine_rows::{Band, RowEyes, refine_rows};
 use crate::shifts::Shifts;
-use crate::{DisparityField, MatchParams, MatchWorkspace, Mismatch};
+use crate::start::LONGEST_SIDE;
+use crate::{CoarseVotes, DisparityField, FromVotes, MatchParams, MatchWorkspace, Mismatch};
 
 /// The vector pyramid from images to field, for pair after pair of one size: level 1 and
 /// [`estimate`](crate::estimate) in one visit, with the same bits.
@@ -89,11 +95,33 @@ impl VectorMatcher {
         self.bank.size()
     }
 
+    /// How many scales its bank has.
+    #[must_use]
+    pub const fn scales(&self) -> usize {
+        self.bank.params().scales
+    }
+
+    /// The parameters it was planned with.
+    #[must_use]
+    pub const fn params(&self) -> MatchParams {
+        self.params
+    }
+
+    /// Whether it was planned for this bank and these parameters, so that planning it anew would change
+    /// nothing.
+    #[must_use]
+    pub fn is_plan_of(&self, bank: &FilterBank, params: MatchParams) -> bool {
+        self.params == params && self.bank.is_same_as(bank)
+    }
+
     /// The vector disparity of every pixel of the left image.
     ///
     /// # Errors
     /// [`Mismatch`] if an image has another size.
-    pub fn estimate(&mut self, eyes: &Binocular<LumaImage>) -> Result<DisparityField, Mismatch> {
+    pub fn estimate(
+        &mut self,
+        eyes: &Binocular<impl Borrow<LumaImage>>,
+    ) -> Result<DisparityField, Mismatch> {
         let mut field = DisparityField::default();
         self.estimate_into(eyes, &mut field)?;
         Ok(field)
@@ -105,10 +133,52 @@ impl VectorMatcher {
     /// [`Mismatch`] if an image has another size; the field stays as it is then.
     pub fn estimate_into(
         &mut self,
-        eyes: &Binocular<LumaImage>,
+        eyes: &Binocular<impl Borrow<LumaImage>>,
         field: &mut DisparityField,
     ) -> Result<(), Mismatch> {
-        for eye in [&eyes.left, &eyes.right] {
+        let mut pair = self.see(eyes)?;
+        let (params, scales) = (pair.matcher.params, pair.held_scales());
+        pair.search(&params, scales, field)
+    }
+
+    /// The vector disparity of a pair of whose range little is known, as
+    /// [`estimate_near_first`](crate::estimate_near_first) finds it in the responses of this bank, bit for
+    /// bit; written over what an earlier pair gave. Where six scales from
+    /// [`MatchParams::zero_disparity_px`] are enough, nothing large is allocated.
+    ///
+    /// # Errors
+    /// [`Mismatch`] if an image has another size; what was found stays as it is then.
+    pub fn estimate_near_first_into(
+        &mut self,
+        eyes: &Binocular<impl Borrow<LumaImage>>,
+        found: &mut FromVotes,
+    ) -> Result<(), Mismatch> {
+        let params = self.params;
+        search_near_first(&mut self.see(eyes)?, params, found)
+    }
+
+    /// The vector disparity of a pair of which nothing is known, as
+    /// [`estimate_from_votes`](crate::estimate_from_votes) finds it in the responses of this bank, bit
+    /// for bit; written over what an earlier pair gave. The coarse look allocates what it works in.
+    ///
+    /// # Errors
+    /// [`Mismatch`] if an image has another size; what was found stays as it is then.
+    pub fn estimate_from_votes_into(
+        &mut self,
+        eyes: &Binocular<impl Borrow<LumaImage>>,
+        found: &mut FromVotes,
+    ) -> Result<(), Mismatch> {
+        let params = self.params;
+        search_from_votes(&mut self.see(eyes)?, params, found)
+    }
+
+    /// Takes in what both eyes say, by rows that of the coarser scales only.
+    fn see<'a>(
+        &'a mut self,
+        eyes: &'a Binocular<impl Borrow<LumaImage>>,
+    ) -> Result<SeenPair<'a>, Mismatch> {
+        let images = eyes.as_ref().map(Borrow::borrow);
+        for eye in [images.left, images.right] {
             if eye.size() != self.size() {
                 let (planned, given) = (self.size(), eye.size());
                 return Err(WrongSize { planned, given }.into());
@@ -121,34 +191,88 @@ impl VectorMatcher {
             ..
         } = self;
         let Binocular { left, right } = responses;
-        for (eye, responses) in [(&eyes.left, left), (&eyes.right, right)] {
+        for (eye, responses) in [(images.left, left), (images.right, right)] {
             if self.by_rows {
                 bank.respond_coarser_into(eye, bank_workspace, responses)?;
             } else {
                 bank.respond_into(eye, bank_workspace, responses)?;
             }
         }
-        if self.by_rows {
-            self.walk(eyes, field);
-            return Ok(());
-        }
-        let scales = self.bank.params().scales;
-        let room = (&mut self.workspace, field);
-        estimate_scales_into(&self.responses, self.params, scales, room)
+        Ok(SeenPair {
+            matcher: self,
+            images,
+        })
+    }
+}
+
+/// A pair that a matcher has taken in.
+struct SeenPair<'a> {
+    matcher: &'a mut VectorMatcher,
+    images: Binocular<&'a LumaImage>,
+}
+
+impl PairSearch for SeenPair<'_> {
+    fn held_scales(&self) -> usize {
+        self.matcher.scales()
     }
 
-    /// From the coarser responses to the field, the finest ones as they are needed.
-    fn walk(&mut self, images: &Binocular<LumaImage>, field: &mut DisparityField) {
-        let Self {
+    fn votes(&mut self) -> Option<CoarseVotes> {
+        let VectorMatcher {
             bank,
-            params,
+            by_rows,
+            responses,
+            ..
+        } = &*self.matcher;
+        let Size { width, height } = bank.size();
+        if !by_rows {
+            return CoarseVotes::count(responses);
+        }
+        if width.max(height) > LONGEST_SIDE {
+            return CoarseVotes::count_coarser(responses, 1);
+        }
+        // The finest scale of so small an image is the one that is searched.
+        let held = self.images.try_map(|eye| bank.respond(eye)).ok()?;
+        CoarseVotes::count(&held)
+    }
+
+    fn search(
+        &mut self,
+        params: &MatchParams,
+        scales: usize,
+        field: &mut DisparityField,
+    ) -> Result<(), Mismatch> {
+        if self.matcher.by_rows && scales > 1 {
+            self.walk(params, scales, field);
+            return Ok(());
+        }
+        if self.matcher.by_rows {
+            // The way back begins at the finest scale then, whose responses are needed twice.
+            let bank = &self.matcher.bank;
+            let held = self.images.try_map(|eye| bank.respond(eye))?;
+            let room = (&mut self.matcher.workspace, field);
+            return estimate_scales_into(&held, *params, scales, room);
+        }
+        let VectorMatcher {
+            responses,
+            workspace,
+            ..
+        } = &mut *self.matcher;
+        estimate_scales_into(responses, *params, scales, (workspace, field))
+    }
+}
+
+impl SeenPair<'_> {
+    /// From the coarser responses to the field, the finest ones as they are needed.
+    fn walk(&mut self, params: &MatchParams, scales: usize, field: &mut DisparityField) {
+        let images = self.images;
+        let VectorMatcher {
+            bank,
             waves,
             responses,
             workspace,
             bands,
             ..
-        } = self;
-        let scales = bank.params().scales;
+        } = &mut *self.matcher;
         let finer = |size: &Size| Some(size.halved());
         let sizes = std::iter::successors(Some(bank.size()), finer).take(scales);
         let grids = Grid::of_scales(sizes, params);

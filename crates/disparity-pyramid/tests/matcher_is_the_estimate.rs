@@ -1,7 +1,8 @@
 //! The matcher that goes from images to field in one visit gives the bits of the two levels one after
 //! the other, whatever the number of threads.
 use disparity_pyramid::{
-    DisparityField, MatchParams, MatchWorkspace, Mismatch, VectorMatcher, estimate, estimate_into,
+    DisparityField, MatchParams, MatchWorkspace, Mismatch, VectorMatcher, estimate,
+    estimate_from_votes, estimate_into, estimate_near_first,
 };
 use ndarray::Array2;
 use proptest::prelude::*;
@@ -129,4 +130,37 @@ fn an_image_of_another_size_is_refused() {
     let refusal = matcher.estimate(&pair).unwrap_err();
     assert!(matches!(refusal, Mismatch::WrongSize(_)), "{refusal}");
     assert!(refusal.to_string().contains("47"), "{refusal}");
+}
+
+/// Searches of which little is known find in images what they find in responses, bit for bit: where the
+/// first search is enough, and where a coarse look has to say where to start.
+#[test]
+fn searches_for_a_start_say_the_same_of_images_and_of_responses() {
+    let sizes = [(200, 120), (90, 60)];
+    for ((width, height), shift) in sizes.into_iter().flat_map(|size| {
+        [(-6.0, 0.5), (-70.0, 2.0), (30.0, -4.0)].map(|shift| (size, shift))
+    }) {
+        let size = Size { width, height };
+        let eyes = eyes(size, 7, shift);
+        let gabor = GaborParams::default();
+        let gabor = GaborParams {
+            scales: gabor.most_scales(size),
+            ..gabor
+        };
+        let bank = FilterBank::plan(gabor, size).unwrap();
+        let responses = eyes.as_ref().try_map(|eye| bank.respond(eye)).unwrap();
+        for params in [0, 1, 3].map(settings) {
+            let mut matcher = VectorMatcher::plan(bank.clone(), params).unwrap();
+            // What an earlier pair left must not matter.
+            let mut found = estimate_from_votes(&responses, params).unwrap();
+            matcher
+                .estimate_near_first_into(&eyes, &mut found)
+                .unwrap();
+            let want = estimate_near_first(&responses, params).unwrap();
+            assert!(found == want, "{size} {shift:?}");
+            matcher.estimate_from_votes_into(&eyes, &mut found).unwrap();
+            let want = estimate_from_votes(&responses, params).unwrap();
+            assert!(found == want, "{size} {shift:?}");
+        }
+    }
 }

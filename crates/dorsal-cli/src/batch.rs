@@ -15,6 +15,7 @@ use crate::console::Console;
 use crate::look_arguments::LookArguments;
 use crate::look_files::look_files;
 use crate::look_record::{Inputs, LookRecord};
+use crate::look_room::LookRoom;
 use crate::pair_list::{NamedPair, pairs};
 use crate::report::look_page;
 use crate::text_table::TextTable;
@@ -273,7 +274,7 @@ fn look_into(
         })
     })?;
     let plan = options.plan(eyes.left.size(), options.rig()?, None)?;
-    let sight = plan.look(&eyes, &mut times, &console)?;
+    let sight = plan.look(&eyes, &mut LookRoom::default(), &mut times, &console)?;
     let record = LookRecord::new(
         &plan,
         &sight,

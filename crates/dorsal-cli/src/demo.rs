@@ -17,6 +17,7 @@ use crate::demo_scene::DemoScene;
 use crate::label_picture::label_picture;
 use crate::look_files::{coloured_png, look_files};
 use crate::look_record::{Inputs, LookRecord};
+use crate::look_room::LookRoom;
 use crate::motorcycle::motorcycle;
 use crate::objects::Objects;
 use crate::outputs::{Outputs, ensure_folder};
@@ -79,7 +80,7 @@ fn show(
     let folder = out_folder.join(scene.name);
     let plan = plan(scene)?;
     let mut times = Times::default();
-    let sight = plan.look(&scene.eyes, &mut times, console)?;
+    let sight = plan.look(&scene.eyes, &mut LookRoom::default(), &mut times, console)?;
     let seen = sight.scene.as_ref().context("a demo has objects")?;
     let verdict = Verdict::new(scene, &plan, seen)?;
 

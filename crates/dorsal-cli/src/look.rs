@@ -12,6 +12,7 @@ use crate::look_arguments::LookArguments;
 use crate::look_files::look_files;
 use crate::look_options::Estimator;
 use crate::look_record::{Inputs, LookRecord};
+use crate::look_room::LookRoom;
 use crate::object_table::object_table;
 use crate::objects::Objects;
 use crate::outputs::ensure_folder;
@@ -64,7 +65,7 @@ fn look_once(arguments: &LookArguments, right: &Path, out: &mut dyn Write) -> an
         ));
     }
 
-    let sight = plan.look(&eyes, &mut times, &console)?;
+    let sight = plan.look(&eyes, &mut LookRoom::default(), &mut times, &console)?;
     if let (dorsal::Estimator::Vector(_), Some(rig)) = (plan.estimator, &plan.rig) {
         console.note(&sight.searched.reach_sentence(rig));
     }

@@ -15,6 +15,7 @@ use crate::drift_record::DriftRecord;
 use crate::look_files::look_files;
 use crate::look_options::LookOptions;
 use crate::look_record::{Inputs, LookRecord};
+use crate::look_room::LookRoom;
 use crate::outputs::ensure_folder;
 use crate::plan::Plan;
 use crate::report::look_page;
@@ -28,6 +29,7 @@ pub(crate) struct LookStream<'a> {
     options: &'a LookOptions,
     rig: Option<SizedRig>,
     plan: Option<(Size, Plan)>,
+    room: LookRoom,
     log: Option<LogFile>,
     lines: Option<Lines<'a>>,
     folder: Option<&'a Path>,
@@ -108,6 +110,7 @@ impl<'a> LookStream<'a> {
             options,
             rig,
             plan: None,
+            room: LookRoom::default(),
             log: into.mcap.as_deref().map(LogFile::begin).transpose()?,
             lines,
             folder,
@@ -145,7 +148,7 @@ impl<'a> LookStream<'a> {
         let (_, plan) = self.plan.as_ref().context("it was planned")?;
         let mut times = Times::default();
         // Steps and notes of each of many looks would bury what matters.
-        let sight = plan.look(eyes, &mut times, &Console::new(true))?;
+        let sight = plan.look(eyes, &mut self.room, &mut times, &Console::new(true))?;
         self.looks += 1;
         let record = LookRecord::new(
             plan,
@@ -189,6 +192,7 @@ impl<'a> LookStream<'a> {
                 .and_then(|()| lines.out.flush())
                 .with_context(|| format!("{} takes no more", lines.name.display()))?;
         }
+        self.room.take_back(sight);
         Ok(sentence)
     }
 

@@ -31,6 +31,7 @@ mod look_arguments;
 mod look_files;
 mod look_options;
 mod look_record;
+mod look_room;
 mod look_stream;
 mod memory;
 mod memory_add;

@@ -1,15 +1,19 @@
 use anyhow::Context as _;
 use dorsal::allocentric_qsr::{DepthReference, Inference, Mode, QualifyParams, QualitativeScene};
-use dorsal::disparity_pyramid::{DisparityField, EyeView, MatchParams, RowAlignment};
+use dorsal::disparity_pyramid::{
+    DisparityField, EyeView, FromVotes, MatchParams, RowAlignment,
+};
 use dorsal::egocentric_depth::{
-    DepthMap, LocateParams, NoOrientation, OrientationParams, RelativeOrientation, SegmentParams,
-    Segmentation, StereoRig, locate, relative_orientation, segment, triangulate,
+    EgocentricScene, LocateParams, NoOrientation, OrientationParams, RelativeOrientation,
+    SegmentParams, Segmentation, StereoRig, locate_into, relative_orientation, segment,
+    triangulate_into,
 };
 use dorsal::v1_gabor::{Binocular, FilterBank, GaborParams};
 use dorsal::{DenseLook, Estimator, Names, Range, RectifiedEyes, Rows, sightings};
 use stereo_formats::picture::Picture;
 
 use crate::console::Console;
+use crate::look_room::LookRoom;
 use crate::objects::Objects;
 use crate::searched::Searched;
 use crate::sight::{Scene, Sight};
@@ -50,6 +54,7 @@ impl Plan {
     pub(crate) fn look(
         &self,
         eyes: &Binocular<Picture>,
+        room: &mut LookRoom,
         times: &mut Times,
         console: &Console,
     ) -> anyhow::Result<Sight> {
@@ -58,9 +63,9 @@ impl Plan {
             vertical,
             searched,
         } = match self.estimator {
-            Estimator::Vector(range) => self.vector(range, eyes, times, console)?,
+            Estimator::Vector(range) => self.vector(range, eyes, room, times, console)?,
             Estimator::Dense(dense) => Matched {
-                disparity: self.dense(dense, eyes, times, console)?,
+                disparity: self.dense(dense, eyes, room, times, console)?,
                 vertical: None,
                 searched: Searched::given(self.gabor.scales, &self.matching),
             },
@@ -77,8 +82,14 @@ impl Plan {
         };
 
         console.step("triangulating");
-        let depth = rig.map(|rig| times.measure("depth", || self.depth(&disparity, &rig)));
-        let depth = depth.transpose()?;
+        let depth = rig.map(|rig| {
+            let mut depth = std::mem::take(&mut room.depth);
+            let sigma = self.estimator.disparity_sigma();
+            times.measure("depth", || {
+                triangulate_into(&disparity, &rig, &sigma, &mut room.sigma, &mut depth);
+            });
+            depth
+        });
 
         let (objects, segmented) = match (&rig, &depth, &self.segmenting) {
             (Some(rig), Some(depth), Some(params)) => {
@@ -99,7 +110,9 @@ impl Plan {
         console.step("relating the objects");
         let scene = match (&rig, &depth, &objects) {
             (Some(rig), Some(depth), Some(objects)) => Some(times.measure("relations", || {
-                let egocentric = locate(depth, &objects.labels, rig, &self.locating)?;
+                let mut egocentric = EgocentricScene::default();
+                let scene = (&mut room.locate, &mut egocentric);
+                locate_into(depth, &objects.labels, rig, &self.locating, scene)?;
                 let qualitative = QualitativeScene::qualify_with(
                     sightings(&egocentric, &objects.names),
                     &self.reference,
@@ -123,12 +136,6 @@ impl Plan {
             segmented,
             scene: scene.transpose().context("the objects cannot be placed")?,
         })
-    }
-
-    /// The depth of every pixel, with the disparity's uncertainty.
-    fn depth(&self, disparity: &DisparityField, rig: &StereoRig) -> anyhow::Result<DepthMap> {
-        let sigma_px = self.estimator.disparity_sigma().of(disparity);
-        Ok(triangulate(disparity, rig).with_disparity_sigma(sigma_px)?)
     }
 
     /// How the right eye has slipped from where the rig has it, as the vertical disparities say; the
@@ -155,20 +162,20 @@ impl Plan {
         &self,
         range: Range,
         eyes: &Binocular<Picture>,
+        room: &mut LookRoom,
         times: &mut Times,
         console: &Console,
     ) -> anyhow::Result<Matched> {
-        console.step("filtering what the eyes see");
-        let responses = times.measure("responses", || {
-            let bank = FilterBank::plan(self.gabor, eyes.left.size())?;
-            let responses = eyes.as_ref().try_map(|eye| bank.respond(eye.luma()))?;
-            anyhow::Ok(responses)
-        });
-        let responses = responses.context("the pictures cannot be filtered")?;
-
+        let lumas = eyes.as_ref().map(Picture::luma);
+        let bank = FilterBank::plan(self.gabor, lumas.left.size())
+            .context("the pictures cannot be filtered")?;
+        let mut found = std::mem::take(&mut room.found);
         console.step("matching the eyes");
-        let found = times
-            .measure("disparity", || range.disparity(&responses, self.matching))
+        times
+            .measure("disparity", || {
+                let matcher = room.estimator.vector(&bank, self.matching)?;
+                range.disparity_into(&lumas, matcher, &mut found)
+            })
             .context("the eyes cannot be matched")?;
         let searched = Searched::of(&found, &self.matching);
         let orienting = MatchParams {
@@ -177,12 +184,18 @@ impl Plan {
         };
         let vertical = self.recalibrate.then(|| {
             console.step("matching the eyes for their drift");
-            let found = times.measure("vertical", || range.disparity(&responses, orienting));
-            found.context("the eyes cannot be matched")
+            let mut found = FromVotes::default();
+            times
+                .measure("vertical", || {
+                    let matcher = room.orienting.vector(&bank, orienting)?;
+                    range.disparity_into(&lumas, matcher, &mut found)
+                })
+                .context("the eyes cannot be matched")?;
+            anyhow::Ok(found.field)
         });
         Ok(Matched {
             disparity: found.field,
-            vertical: vertical.transpose()?.map(|found| found.field),
+            vertical: vertical.transpose()?,
             searched,
         })
     }
@@ -192,6 +205,7 @@ impl Plan {
         &self,
         dense: DenseLook,
         eyes: &Binocular<Picture>,
+        room: &mut LookRoom,
         times: &mut Times,
         console: &Console,
     ) -> anyhow::Result<DisparityField> {
@@ -203,7 +217,8 @@ impl Plan {
         let rectified = match (dense.rows, &self.rig) {
             (Rows::Rectified, Some(rig)) => {
                 console.step("rectifying what the eyes see");
-                let rectified = times.measure("rectifying", || RectifiedEyes::of(&views, rig));
+                let rectified =
+                    times.measure("rectifying", || room.estimator.rectify(&views, rig));
                 Some(rectified.context("the pictures cannot be rectified")?)
             }
             _ => None,
@@ -212,7 +227,8 @@ impl Plan {
         console.step("finding the range of disparities");
         let preparation = times.measure("preparation", || {
             let bank = FilterBank::plan(self.gabor, size)?;
-            anyhow::Ok(dense.prepare(&views, &bank, self.matching)?)
+            let vector = (&bank, self.matching);
+            anyhow::Ok(dense.prepare_in(&views, vector, &mut room.estimator)?)
         });
         let preparation = preparation.context("the dense estimator cannot be prepared")?;
         let search = preparation.search;
@@ -236,12 +252,21 @@ impl Plan {
         }
 
         console.step("matching the eyes");
-        let field = times
-            .measure("disparity", || dense.look(&views, &preparation))
+        let mut field = std::mem::take(&mut room.found.field);
+        times
+            .measure("disparity", || {
+                dense.look_into(&views, &preparation, (&mut room.estimator, &mut field))
+            })
             .context("the eyes cannot be matched")?;
-        Ok(match &rectified {
-            Some(rectified) => times.measure("carrying back", || rectified.as_taken(&field))?,
-            None => field,
-        })
+        let Some(rectified) = rectified else {
+            return Ok(field);
+        };
+        let mut taken = std::mem::take(&mut room.taken);
+        times.measure("carrying back", || {
+            rectified.as_taken_into(&field, &mut taken)
+        })?;
+        room.found.field = field;
+        room.estimator.give_back(rectified);
+        Ok(taken)
     }
 }

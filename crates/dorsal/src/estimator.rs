@@ -1,12 +1,10 @@
 use disparity_pyramid::{
-    Acuity, DenseMatcher, DenseParams, DisparityField, EyeView, MatchParams, RowAlignment,
-    SearchRange, estimate,
+    Acuity, DenseParams, DisparityField, EyeView, MatchParams, RowAlignment, SearchRange,
 };
 use egocentric_depth::{DisparitySigma, StereoRig};
 use v1_gabor::{Binocular, FilterBank};
 
-use crate::coarse_range::coarse_range;
-use crate::{Error, Range, RectifiedEyes};
+use crate::{Error, EstimatorWorkspace, Range};
 
 /// Which estimator of level 2 looks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -108,14 +106,39 @@ impl DenseLook {
         bank: &FilterBank,
         matching: MatchParams,
     ) -> Result<DisparityField, Error> {
+        let mut field = DisparityField::default();
+        let mut workspace = EstimatorWorkspace::default();
+        self.disparity_into(eyes, rig, (bank, matching), (&mut workspace, &mut field))?;
+        Ok(field)
+    }
+
+    /// The same, written over an earlier field, with what is planned once and kept.
+    ///
+    /// # Errors
+    /// [`Error`] as [`disparity`](Self::disparity).
+    pub fn disparity_into(
+        &self,
+        eyes: &Binocular<EyeView<'_>>,
+        rig: &StereoRig,
+        (bank, matching): (&FilterBank, MatchParams),
+        (workspace, field): (&mut EstimatorWorkspace, &mut DisparityField),
+    ) -> Result<(), Error> {
         if self.rows != Rows::Rectified {
-            let preparation = self.prepare(eyes, bank, matching)?;
-            return self.look(eyes, &preparation);
+            let preparation = self.prepare_in(eyes, (bank, matching), workspace)?;
+            return self.look_into(eyes, &preparation, (workspace, field));
         }
-        let rectified = RectifiedEyes::of(eyes, rig)?;
-        let preparation = self.prepare(&rectified.views(), bank, matching)?;
-        let field = self.look(&rectified.views(), &preparation)?;
-        Ok(rectified.as_taken(&field)?)
+        let rectified = workspace.rectify(eyes, rig)?;
+        let preparation = self.prepare_in(&rectified.views(), (bank, matching), workspace)?;
+        let mut found = std::mem::take(&mut workspace.rectified_field);
+        self.look_into(
+            &rectified.views(),
+            &preparation,
+            (&mut *workspace, &mut found),
+        )?;
+        rectified.as_taken_into(&found, field)?;
+        workspace.rectified_field = found;
+        workspace.rectified = Some(rectified);
+        Ok(())
     }
 
     /// What the vector pyramid finds out first, if anything is asked of it. The pair is rectified already
@@ -129,39 +152,50 @@ impl DenseLook {
         bank: &FilterBank,
         matching: MatchParams,
     ) -> Result<Preparation, Error> {
-        let field = || {
-            let responses = eyes.try_map(|eye| bank.respond(eye.luma))?;
-            Ok::<_, Error>(estimate(&responses, matching)?)
-        };
-        match self.search {
+        self.prepare_in(eyes, (bank, matching), &mut EstimatorWorkspace::default())
+    }
+
+    /// The same, with what is planned once and kept.
+    ///
+    /// # Errors
+    /// [`Error`] as [`prepare`](Self::prepare).
+    pub fn prepare_in(
+        &self,
+        eyes: &Binocular<EyeView<'_>>,
+        (bank, matching): (&FilterBank, MatchParams),
+        workspace: &mut EstimatorWorkspace,
+    ) -> Result<Preparation, Error> {
+        let most_dx = match self.search {
             Search::Given(search) if self.rows != Rows::Aligned => {
-                Ok(Preparation { search, rows: None })
+                return Ok(Preparation { search, rows: None });
             }
-            Search::Given(search) => Ok(Preparation {
-                search,
-                rows: Some(RowAlignment::fit(&field()?).ok_or(Error::NoAlignment)?),
-            }),
-            Search::Found { most_dx } => {
-                let field = field()?;
-                let seen = SearchRange::covering(&field);
-                let found = match self.rows {
-                    // Eyes that were turned parallel converged before, on things that may slant.
-                    Rows::Rectified => joined(seen, coarse_range(eyes)?),
-                    Rows::AsTaken | Rows::Aligned => seen,
-                };
-                let found = found.ok_or(Error::NoSearch)?;
-                let most_dx = most_dx.unwrap_or(found.most_dx());
-                let rows = if self.rows == Rows::Aligned {
-                    Some(RowAlignment::fit(&field).ok_or(Error::NoAlignment)?)
-                } else {
-                    None
-                };
-                Ok(Preparation {
-                    search: SearchRange::new(found.least_dx().min(most_dx), most_dx)?,
-                    rows,
-                })
-            }
+            Search::Given(_) => None,
+            Search::Found { most_dx } => most_dx,
+        };
+        workspace.see_vectors(&eyes.map(|eye| eye.luma), (bank, matching))?;
+        let aligned = |workspace: &EstimatorWorkspace| {
+            RowAlignment::fit(&workspace.vectors.field).ok_or(Error::NoAlignment)
+        };
+        if let Search::Given(search) = self.search {
+            let rows = Some(aligned(workspace)?);
+            return Ok(Preparation { search, rows });
         }
+        let seen = SearchRange::covering_in(&workspace.vectors.field, &mut workspace.valid);
+        let found = match self.rows {
+            // Eyes that were turned parallel converged before, on things that may slant.
+            Rows::Rectified => joined(seen, workspace.coarse_range(eyes)?),
+            Rows::AsTaken | Rows::Aligned => seen,
+        };
+        let found = found.ok_or(Error::NoSearch)?;
+        let most_dx = most_dx.unwrap_or(found.most_dx());
+        let rows = match self.rows {
+            Rows::Aligned => Some(aligned(workspace)?),
+            Rows::AsTaken | Rows::Rectified => None,
+        };
+        Ok(Preparation {
+            search: SearchRange::new(found.least_dx().min(most_dx), most_dx)?,
+            rows,
+        })
     }
 
     /// The disparity of a prepared pair.
@@ -173,9 +207,25 @@ impl DenseLook {
         eyes: &Binocular<EyeView<'_>>,
         preparation: &Preparation,
     ) -> Result<DisparityField, Error> {
-        let matcher = DenseMatcher::plan(self.params, eyes.left.luma.size())?;
+        let mut field = DisparityField::default();
+        let mut workspace = EstimatorWorkspace::default();
+        self.look_into(eyes, preparation, (&mut workspace, &mut field))?;
+        Ok(field)
+    }
+
+    /// The same, written over an earlier field, with what is planned once and kept.
+    ///
+    /// # Errors
+    /// [`Error`] as [`look`](Self::look).
+    pub fn look_into(
+        &self,
+        eyes: &Binocular<EyeView<'_>>,
+        preparation: &Preparation,
+        (workspace, field): (&mut EstimatorWorkspace, &mut DisparityField),
+    ) -> Result<(), Error> {
+        let search = preparation.search;
         let Some(rows) = &preparation.rows else {
-            return Ok(matcher.estimate(eyes, preparation.search)?);
+            return workspace.see_densely(self.params, eyes, search, field);
         };
         let luma = rows.align_luma(eyes.right.luma);
         let rgb = eyes.right.rgb.map(|rgb| rows.align_rgb(rgb));
@@ -189,7 +239,7 @@ impl DenseLook {
                 rgb: rgb.as_ref().map(|rgb| rgb.view()),
             },
         };
-        Ok(matcher.estimate(&aligned, preparation.search)?)
+        workspace.see_densely(self.params, &aligned, search, field)
     }
 }
 

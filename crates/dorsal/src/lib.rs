@@ -2,8 +2,9 @@
 //! levels of *dorsal* in one chain.
 //!
 //! An image pair becomes responses, responses become disparity, disparity becomes depth, depth
-//! becomes places, places become relations. [`Dorsal::look`] is that sentence as code; it owns
-//! nothing else. Each level can be used without it: [`v1_gabor`], [`disparity_pyramid`],
+//! becomes places, places become relations. [`Dorsal::look`] is that sentence as code, and
+//! [`Dorsal::look_into`] says it again and again without planning or allocating anew; beyond that the facade
+//! owns nothing. Each level can be used without it: [`v1_gabor`], [`disparity_pyramid`],
 //! [`egocentric_depth`] and [`allocentric_qsr`] are re-exported here.
 //!
 //! ```
@@ -13,7 +14,7 @@
 //!     AllocentricMap, DepthReference, GroundPose, MemoryParams, PoseKnowledge, QualifyParams,
 //!     RobotPose, SceneMemory,
 //! };
-//! use dorsal::{Dorsal, Estimator, Range, Stand};
+//! use dorsal::{Dorsal, Estimator, LookWorkspace, Range, Stand};
 //! use dorsal::disparity_pyramid::MatchParams;
 //! use dorsal::egocentric_depth::{CameraIntrinsics, LabelImage, LocateParams, StereoRig};
 //! use dorsal::v1_gabor::{Binocular, FilterBank, GaborParams, LumaImage, Size};
@@ -41,6 +42,7 @@
 //!     locating: LocateParams::default(),
 //!     reference: DepthReference::robot_120(),
 //!     qualifying: QualifyParams::default(),
+//!     workspace: LookWorkspace::default(),
 //! };
 //!
 //! // One object, marked by hand in the left image.
@@ -74,6 +76,8 @@ mod depth_evidence;
 mod dorsal;
 mod error;
 mod estimator;
+mod estimator_workspace;
+mod look_workspace;
 mod observations;
 mod percept;
 mod range;
@@ -91,6 +95,8 @@ pub use depth_evidence::DepthEvidence;
 pub use dorsal::Dorsal;
 pub use error::Error;
 pub use estimator::{DenseLook, Estimator, Preparation, Rows, Search};
+pub use estimator_workspace::EstimatorWorkspace;
+pub use look_workspace::LookWorkspace;
 pub use observations::{observations, radius_m};
 pub use percept::Percept;
 pub use range::Range;

@@ -2,8 +2,9 @@ use allocentric_qsr::QualitativeScene;
 use disparity_pyramid::{DisparityField, Start};
 use egocentric_depth::{DepthMap, EgocentricScene};
 
-/// What one look gave, level by level.
-#[derive(Clone, Debug)]
+/// What one look gave, level by level. The default is that of a look at nothing, to be
+/// [written over](crate::Dorsal::look_into).
+#[derive(Clone, Debug, Default)]
 pub struct Percept {
     /// Vector disparity of every pixel of the left image.
     pub disparity: DisparityField,

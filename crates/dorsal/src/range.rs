@@ -1,7 +1,10 @@
+use std::borrow::Borrow;
+
 use disparity_pyramid::{
-    FromVotes, MatchParams, Mismatch, estimate, estimate_from_votes, estimate_near_first,
+    FromVotes, MatchParams, Mismatch, VectorMatcher, estimate, estimate_from_votes,
+    estimate_near_first,
 };
-use v1_gabor::{Binocular, V1Responses};
+use v1_gabor::{Binocular, LumaImage, V1Responses};
 
 /// Where the vector pyramid searches.
 ///
@@ -41,6 +44,30 @@ impl Range {
             }),
             Self::Auto => estimate_near_first(eyes, matching),
             Self::Wide => estimate_from_votes(eyes, matching),
+        }
+    }
+
+    /// The same from the images, by a matcher that is planned and written over what an earlier pair gave:
+    /// the responses are made where they are needed and not held, and the bits are those of
+    /// [`disparity`](Self::disparity).
+    ///
+    /// # Errors
+    /// [`Mismatch`] if an image has another size than planned.
+    pub fn disparity_into(
+        self,
+        eyes: &Binocular<impl Borrow<LumaImage>>,
+        matcher: &mut VectorMatcher,
+        found: &mut FromVotes,
+    ) -> Result<(), Mismatch> {
+        match self {
+            Self::Given => {
+                matcher.estimate_into(eyes, &mut found.field)?;
+                found.starts.clear();
+                found.scales = matcher.scales();
+                Ok(())
+            }
+            Self::Auto => matcher.estimate_near_first_into(eyes, found),
+            Self::Wide => matcher.estimate_from_votes_into(eyes, found),
         }
     }
 }

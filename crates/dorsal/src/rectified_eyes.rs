@@ -1,14 +1,18 @@
 use disparity_pyramid::{DisparityField, EyeView};
-use egocentric_depth::{Rectification, StereoRig, WrongFieldSize, resampled_rgb};
+use egocentric_depth::{
+    Rectification, StereoRig, WrongFieldSize, resampled_into, resampled_rgb,
+};
 use ndarray::Array2;
-use v1_gabor::{Binocular, LumaImage};
+use v1_gabor::{Binocular, LumaImage, Size};
 
 use crate::Error;
 
 /// What two eyes of any rig see, turned into what parallel pinholes would see.
 #[derive(Clone, Debug)]
 pub struct RectifiedEyes {
+    rig: StereoRig,
     plan: Rectification,
+    maps: Binocular<Array2<(f32, f32)>>,
     luma: Binocular<LumaImage>,
     rgb: Binocular<Option<Array2<[u8; 3]>>>,
 }
@@ -20,13 +24,54 @@ impl RectifiedEyes {
     /// [`Error::Rig`] if the eyes are no rig along their own baseline.
     pub fn of(eyes: &Binocular<EyeView<'_>>, rig: &StereoRig) -> Result<Self, Error> {
         let plan = Rectification::plan(rig, eyes.left.luma.size())?;
-        let maps = plan.maps();
-        let luma = plan.rectify(&eyes.as_ref().map(|eye| eye.luma))?;
-        let rgb = Binocular {
-            left: eyes.left.rgb.map(|rgb| resampled_rgb(rgb, &maps.left)),
-            right: eyes.right.rgb.map(|rgb| resampled_rgb(rgb, &maps.right)),
+        let black = LumaImage::new(Array2::zeros((1, 1)))?;
+        let mut rectified = Self {
+            rig: *rig,
+            maps: plan.maps(),
+            plan,
+            luma: Binocular {
+                left: black.clone(),
+                right: black,
+            },
+            rgb: Binocular::default(),
         };
-        Ok(Self { plan, luma, rgb })
+        rectified.take_in(eyes)?;
+        Ok(rectified)
+    }
+
+    /// Rectifies another pair of the same rig, in the maps and the room of the last one. (Colours are
+    /// made anew.)
+    ///
+    /// # Errors
+    /// [`Error::Rig`] if the pair has another size and the eyes cannot be rectified in that.
+    pub fn retake(&mut self, eyes: &Binocular<EyeView<'_>>) -> Result<(), Error> {
+        if eyes.left.luma.size().dim() != self.maps.left.dim() {
+            *self = Self::of(eyes, &self.rig)?;
+            return Ok(());
+        }
+        self.take_in(eyes)
+    }
+
+    /// The rig that the pairs are taken with.
+    #[must_use]
+    pub const fn rig(&self) -> &StereoRig {
+        &self.rig
+    }
+
+    fn take_in(&mut self, eyes: &Binocular<EyeView<'_>>) -> Result<(), Error> {
+        let Self {
+            maps, luma, rgb, ..
+        } = self;
+        for (eye, map, luma, rgb) in [
+            (&eyes.left, &maps.left, &mut luma.left, &mut rgb.left),
+            (&eyes.right, &maps.right, &mut luma.right, &mut rgb.right),
+        ] {
+            luma.write_over(Size::of_dim(map.dim()), |plane| {
+                resampled_into(eye.luma.plane(), map, plane);
+            })?;
+            *rgb = eye.rgb.map(|rgb| resampled_rgb(rgb, map));
+        }
+        Ok(())
     }
 
     /// The rectified pair, as the dense estimator takes it.
@@ -51,5 +96,17 @@ impl RectifiedEyes {
     /// [`WrongFieldSize`] if the field is not one of this pair.
     pub fn as_taken(&self, field: &DisparityField) -> Result<DisparityField, WrongFieldSize> {
         self.plan.as_taken(field)
+    }
+
+    /// The same, written over an earlier field.
+    ///
+    /// # Errors
+    /// [`WrongFieldSize`] if the field is not one of this pair.
+    pub fn as_taken_into(
+        &self,
+        field: &DisparityField,
+        taken: &mut DisparityField,
+    ) -> Result<(), WrongFieldSize> {
+        self.plan.as_taken_into(field, taken)
     }
 }

@@ -4,8 +4,9 @@ use v1_gabor::Size;
 /// Depth of every pixel of the left image: metres along the head's forward axis z.
 ///
 /// What is not known is NaN inside the plane and `None` at [`DepthMap::at`]; known depths are
-/// positive and finite.
-#[derive(Clone, Debug)]
+/// positive and finite. The default is the map of an image without a pixel, to be
+/// [written over](crate::triangulate_into()).
+#[derive(Clone, Debug, Default)]
 pub struct DepthMap {
     metres: Array2<f32>,
     /// One standard deviation of the disparity that each depth was made of, px; of the map's size.
@@ -50,6 +51,24 @@ impl DepthMap {
             metres,
             disparity_sigma_px: Some(sigma_px),
         })
+    }
+
+    /// Writes over the map, with as much of its room as fits: `fill` is given the plane of metres, to be
+    /// written at every pixel, and the plane of [`disparity_sigma_px`](Self::disparity_sigma_px), if it was
+    /// known, or an empty one. What it leaves keeps the promises of [`Self::new`] and
+    /// [`Self::with_disparity_sigma`], with a sigma if its plane is the map's size.
+    pub(crate) fn write_over(
+        &mut self,
+        size: Size,
+        fill: impl FnOnce(&mut Array2<f32>, &mut Array2<f32>),
+    ) {
+        if self.metres.dim() != size.dim() {
+            self.metres = Array2::from_elem(size.dim(), f32::NAN);
+        }
+        let mut sigma_px = self.disparity_sigma_px.take().unwrap_or_default();
+        fill(&mut self.metres, &mut sigma_px);
+        debug_assert!(self.metres.iter().all(|&z| z.is_nan() || z > 0.0));
+        self.disparity_sigma_px = (sigma_px.dim() == size.dim()).then_some(sigma_px);
     }
 
     /// One standard deviation of the disparity that the depth of each pixel was made of, in pixels,

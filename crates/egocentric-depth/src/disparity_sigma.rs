@@ -1,7 +1,7 @@
 use disparity_pyramid::DisparityField;
-use ndarray::Array2;
+use ndarray::{Array2, Zip};
 
-use crate::{roughness_across_px, roughness_px};
+use crate::neighbours::Neighbours;
 
 /// How uncertain the disparities of a field are: one standard deviation in pixels, fitted to the
 /// errors of real pairs.
@@ -82,9 +82,13 @@ impl DisparitySigma {
     /// The roughness that counts here, in pixels; `None` of a field without valid shifts.
     #[must_use]
     pub fn roughness_px(&self, field: &DisparityField) -> Option<f64> {
+        self.roughness_in(field, &mut Neighbours::default())
+    }
+
+    fn roughness_in(&self, field: &DisparityField, neighbours: &mut Neighbours) -> Option<f64> {
         match self.kind {
-            Kind::Vector => roughness_px(field),
-            Kind::AlongRows => roughness_across_px(field),
+            Kind::Vector => neighbours.roughness_px(field),
+            Kind::AlongRows => neighbours.roughness_across_px(field),
         }
     }
 
@@ -124,20 +128,41 @@ impl DisparitySigma {
     /// field has no answer.
     #[must_use]
     pub fn of(&self, field: &DisparityField) -> Array2<f32> {
-        let Some(roughness_px) = self.roughness_px(field) else {
-            return Array2::from_elem(field.size().dim(), f32::INFINITY);
-        };
-        let scale = self.scale(roughness_px);
-        let mut sigma = field
-            .confidence()
-            .mapv(|confidence| (self.part(confidence) * scale) as f32);
-        sigma.zip_mut_with(&field.validity(), |sigma, validity| {
-            if !validity.is_valid() {
-                *sigma = f32::INFINITY;
-            }
-        });
+        let mut sigma = Array2::zeros((0, 0));
+        self.of_into(field, &mut SigmaWorkspace::default(), &mut sigma);
         sigma
     }
+
+    /// The same, written over an earlier plane, in buffers that are kept.
+    pub fn of_into(
+        &self,
+        field: &DisparityField,
+        workspace: &mut SigmaWorkspace,
+        sigma: &mut Array2<f32>,
+    ) {
+        if sigma.dim() != field.size().dim() {
+            *sigma = Array2::zeros(field.size().dim());
+        }
+        // Without a roughness there is no answer either.
+        let roughness_px = self.roughness_in(field, &mut workspace.neighbours);
+        let scale = roughness_px.map_or(f64::INFINITY, |px| self.scale(px));
+        Zip::from(sigma)
+            .and(field.confidence())
+            .and(field.validity())
+            .par_for_each(|sigma, &confidence, validity| {
+                *sigma = if validity.is_valid() {
+                    (self.part(confidence) * scale) as f32
+                } else {
+                    f32::INFINITY
+                };
+            });
+    }
+}
+
+/// Buffers that [`DisparitySigma::of_into`] works in, kept from field to field: about four bytes a pixel.
+#[derive(Clone, Debug, Default)]
+pub struct SigmaWorkspace {
+    neighbours: Neighbours,
 }
 
 #[cfg(test)]

@@ -80,6 +80,7 @@ mod label_image;
 mod lens;
 mod locate;
 mod midpoint;
+mod neighbours;
 mod normals;
 mod point_cloud;
 mod position;
@@ -102,7 +103,7 @@ mod triangulate_rays;
 pub use attitude::Attitude;
 pub use camera_intrinsics::CameraIntrinsics;
 pub use depth_map::{DepthMap, WrongPlane};
-pub use disparity_sigma::DisparitySigma;
+pub use disparity_sigma::{DisparitySigma, SigmaWorkspace};
 pub use drift_belief::{DriftBelief, NoSigma};
 pub use egocentric_scene::{EgocentricScene, LocatedObject, UnlocatedObject, WhyUnlocated};
 pub use equation_5::{OutOfDomain, equation_5};
@@ -110,13 +111,15 @@ pub use eye::{Eye, Ray};
 pub use general_form::general_form;
 pub use label_image::{Label, LabelImage};
 pub use lens::Lens;
-pub use locate::{LocateParams, NotLocatable, locate};
+pub use locate::{LocateParams, LocateWorkspace, NotLocatable, locate, locate_into};
 pub use midpoint::{Midpoint, midpoint};
 pub use normals::normals;
 pub use point_cloud::{CloudPoint, point_cloud};
 pub use position::{Head, Observer, Position};
 pub use reach::{Reach, Search, reach_px};
-pub use rectification::{Rectification, WrongFieldSize, resampled, resampled_rgb};
+pub use rectification::{
+    Rectification, WrongFieldSize, resampled, resampled_into, resampled_rgb,
+};
 pub use relative_orientation::{
     NoOrientation, OrientationParams, RelativeOrientation, relative_orientation,
 };
@@ -127,5 +130,5 @@ pub use roughness::{roughness_across_px, roughness_px, scatter};
 pub use segment::{NotSegmentable, SegmentParams, Segmentation, segment};
 pub use stereo_rig::{BadRig, StereoRig};
 pub use support_plane::{NoSupport, SupportParams, SupportPlane};
-pub use triangulate::{triangulate, triangulate_guesses};
+pub use triangulate::{triangulate, triangulate_guesses, triangulate_into};
 pub use triangulate_rays::{RayTriangulation, triangulate_rays};

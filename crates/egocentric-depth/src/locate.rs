@@ -1,3 +1,6 @@
+use std::num::NonZeroU16;
+use std::ops::Range;
+
 use v1_gabor::Size;
 
 use crate::egocentric_scene::{LocatedObject, UnlocatedObject, WhyUnlocated};
@@ -71,6 +74,37 @@ pub fn locate(
     rig: &StereoRig,
     params: &LocateParams,
 ) -> Result<EgocentricScene, NotLocatable> {
+    let mut scene = EgocentricScene::default();
+    let mut workspace = LocateWorkspace::default();
+    locate_into(depth, labels, rig, params, (&mut workspace, &mut scene))?;
+    Ok(scene)
+}
+
+/// Buffers that [`locate_into`] works in, kept from look to look: about 40 bytes for every pixel that bears
+/// a label.
+#[derive(Clone, Debug, Default)]
+pub struct LocateWorkspace {
+    /// How many pixels bear each number that there can be, and then where the next of them goes.
+    count_of_label: Vec<u32>,
+    objects: Vec<LabelledPixels>,
+    /// The pixels with a known depth, object by object, in the order of the rows.
+    known: Vec<KnownPixel>,
+    agreeing: Vec<KnownPixel>,
+    keys: Vec<u32>,
+    numbers: Vec<f64>,
+}
+
+/// The same, written over what an earlier look found, in buffers that are kept.
+///
+/// # Errors
+/// [`NotLocatable`] as [`locate`]; the scene stays as it is then.
+pub fn locate_into(
+    depth: &DepthMap,
+    labels: &LabelImage,
+    rig: &StereoRig,
+    params: &LocateParams,
+    (workspace, scene): (&mut LocateWorkspace, &mut EgocentricScene),
+) -> Result<(), NotLocatable> {
     let sizes = (depth.size(), labels.size());
     if sizes.0 != sizes.1 {
         return Err(NotLocatable::Sizes {
@@ -83,29 +117,34 @@ pub fn locate(
             return Err(NotLocatable::Sigma(sigma_px));
         }
     }
-    let mut scene = EgocentricScene::default();
-    for evidence in gather(depth, labels, params) {
-        match place(&evidence, rig, params) {
+    workspace.gather(depth, labels, params);
+    scene.objects.clear();
+    scene.unlocated.clear();
+    for object in 0..workspace.objects.len() {
+        let labelled = workspace.objects[object].clone();
+        match workspace.place(&labelled, rig, params) {
             Ok(object) => scene.objects.push(object),
             Err(reason) => scene.unlocated.push(UnlocatedObject {
-                label: evidence.label,
-                pixels: evidence.pixels,
-                reliable_pixels: evidence.known.len(),
+                label: labelled.label,
+                pixels: labelled.pixels,
+                reliable_pixels: labelled.known.len(),
                 reason,
             }),
         }
     }
-    Ok(scene)
+    Ok(())
 }
 
-/// What the depth map says about one label.
-struct Evidence {
+/// Which pixels bear one label.
+#[derive(Clone, Debug)]
+struct LabelledPixels {
     label: Label,
     pixels: usize,
-    known: Vec<KnownPixel>,
+    /// Where its known pixels lie among all.
+    known: Range<usize>,
 }
 
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct KnownPixel {
     x: u32,
     y: u32,
@@ -113,150 +152,206 @@ struct KnownPixel {
     sigma_px: f32,
 }
 
-/// One walk over the planes; the evidence comes by ascending label.
-fn gather(depth: &DepthMap, labels: &LabelImage, params: &LocateParams) -> Vec<Evidence> {
-    let sigma_px = depth.disparity_sigma_px();
-    let mut evidence: Vec<Evidence> = labels
-        .labels()
-        .into_iter()
-        .map(|label| Evidence {
-            label,
-            pixels: 0,
-            known: Vec::new(),
-        })
-        .collect();
-    let most = evidence.last().map_or(0, |last| last.label.0.get());
-    let mut slot_of_label = vec![None; usize::from(most) + 1];
-    for (slot, found) in evidence.iter().enumerate() {
-        slot_of_label[usize::from(found.label.0.get())] = Some(slot);
+/// Makes room for so many, and for as many again as may come with the next look, so that an object that
+/// grows by a pixel asks for no memory.
+fn make_room<T>(buffer: &mut Vec<T>, needed: usize) {
+    buffer.clear();
+    if buffer.capacity() < needed {
+        buffer.reserve_exact(needed.next_power_of_two());
     }
-    for (((y, x), &number), &depth_m) in labels.plane().indexed_iter().zip(depth.metres()) {
-        let Some(slot) = slot_of_label[usize::from(number)] else {
-            continue;
-        };
-        let found = &mut evidence[slot];
-        found.pixels += 1;
-        if depth_m.is_finite() {
-            found.known.push(KnownPixel {
-                x: x as u32,
-                y: y as u32,
-                depth_m,
-                sigma_px: sigma_px.map_or(params.disparity_sigma_px as f32, |plane| plane[[y, x]]),
-            });
-        }
-    }
-    evidence
 }
 
-/// The robust place of one object.
-fn place(
-    evidence: &Evidence,
-    rig: &StereoRig,
-    params: &LocateParams,
-) -> Result<LocatedObject, WhyUnlocated> {
-    // Without a single depth there is no median, however few the caller asks for.
-    let needed = params.least_reliable_pixels.max(1);
-    if evidence.known.len() < needed {
-        return Err(WhyUnlocated::TooFewReliablePixels { needed });
+impl LocateWorkspace {
+    /// What the depth map says about each label, by ascending label: one walk over the labels to count
+    /// them, one to take their depths.
+    fn gather(&mut self, depth: &DepthMap, labels: &LabelImage, params: &LocateParams) {
+        let Self {
+            count_of_label,
+            objects,
+            known,
+            agreeing,
+            keys,
+            numbers,
+        } = self;
+        count_of_label.clear();
+        count_of_label.resize(usize::from(u16::MAX) + 1, 0);
+        for &number in labels.plane() {
+            count_of_label[usize::from(number)] += 1;
+        }
+        objects.clear();
+        let (mut first, mut most) = (0, 0);
+        for number in 1..=u16::MAX {
+            let count = &mut count_of_label[usize::from(number)];
+            if let (1.., Some(number)) = (*count, NonZeroU16::new(number)) {
+                let pixels = *count as usize;
+                objects.push(LabelledPixels {
+                    label: Label(number),
+                    pixels,
+                    known: first..first,
+                });
+                *count = first as u32;
+                first += pixels;
+                most = most.max(pixels);
+            }
+        }
+        make_room(known, first);
+        let silent = KnownPixel {
+            x: 0,
+            y: 0,
+            depth_m: 0.0,
+            sigma_px: 0.0,
+        };
+        known.resize(first, silent);
+        make_room(agreeing, most);
+        make_room(keys, most);
+        make_room(numbers, most);
+        let sigma_px = depth.disparity_sigma_px();
+        let (labels, depth) = (labels.plane(), depth.metres());
+        for (y, (labels, depth)) in labels.rows().into_iter().zip(depth.rows()).enumerate() {
+            for (x, (&number, &depth_m)) in labels.iter().zip(depth).enumerate() {
+                if number == 0 || !depth_m.is_finite() {
+                    continue;
+                }
+                let next = &mut count_of_label[usize::from(number)];
+                known[*next as usize] = KnownPixel {
+                    x: x as u32,
+                    y: y as u32,
+                    depth_m,
+                    sigma_px: sigma_px
+                        .map_or(params.disparity_sigma_px as f32, |plane| plane[[y, x]]),
+                };
+                *next += 1;
+            }
+        }
+        for object in objects {
+            let number = usize::from(object.label.0.get());
+            object.known.end = count_of_label[number] as usize;
+        }
     }
-    let agreeing = without_outliers(&evidence.known, rig)?;
-    let mut depths = depths_of(&agreeing);
-    let depth_m = median(&mut depths);
-    let spread_m = robust_sigma(&depths, depth_m);
-    let pixel = median_pixel(&agreeing);
-    let in_head = rig
-        .back_project(pixel, depth_m)
-        .ok_or(WhyUnlocated::NotInFront)?;
 
-    // Errors of neighbouring disparities go together, so the mean over an object does not shrink
-    // them; only what its own spread adds to the median does shrink with the number of pixels.
-    let of_median_m = MEDIAN_OVER_MEAN * spread_m / (agreeing.len() as f64).sqrt();
-    let of_left_out_m = left_out_sigma(&mut depths, evidence.pixels);
-    let depth_sigma_m = rig
-        .depth_sigma_m(in_head, median_sigma_px(&agreeing))
-        .hypot(of_median_m)
-        .hypot(of_left_out_m);
-    // The pixels that are left out may lie on one side of the object as well as before or behind it.
-    let pixel_sigma_px = [columns(&agreeing), rows(&agreeing)].map(|mut places| {
-        left_out_sigma(&mut places, evidence.pixels).hypot(params.label_sigma_px)
-    });
-    Ok(LocatedObject {
-        label: evidence.label,
-        position: rig.to_observer(in_head),
-        covariance_m2: covariance(rig, pixel, depth_m, depth_sigma_m, pixel_sigma_px)
-            .ok_or(WhyUnlocated::NotInFront)?,
-        pixel,
-        depth_m,
-        spread_m,
-        pixels: evidence.pixels,
-        reliable_pixels: evidence.known.len(),
-        agreeing_pixels: agreeing.len(),
-    })
+    /// The robust place of one object.
+    fn place(
+        &mut self,
+        labelled: &LabelledPixels,
+        rig: &StereoRig,
+        params: &LocateParams,
+    ) -> Result<LocatedObject, WhyUnlocated> {
+        let Self {
+            known,
+            agreeing,
+            keys,
+            numbers,
+            ..
+        } = self;
+        let known = &known[labelled.known.clone()];
+        // Without a single depth there is no median, however few the caller asks for.
+        let needed = params.least_reliable_pixels.max(1);
+        if known.len() < needed {
+            return Err(WhyUnlocated::TooFewReliablePixels { needed });
+        }
+        let (centre_m, cutoff_m) = outliers_beyond(known, rig, (keys, numbers))?;
+        agreeing.clear();
+        let agree = |pixel: &&KnownPixel| (f64::from(pixel.depth_m) - centre_m).abs() <= cutoff_m;
+        agreeing.extend(known.iter().filter(agree));
+        let agreeing: &[KnownPixel] = agreeing;
+        let depth_m = median(of_all(agreeing, DEPTH, numbers));
+        let spread_m = robust_sigma(of_all(agreeing, DEPTH, numbers), depth_m);
+        let pixel = median_pixel(agreeing, numbers);
+        let in_head = rig
+            .back_project(pixel, depth_m)
+            .ok_or(WhyUnlocated::NotInFront)?;
+
+        // Errors of neighbouring disparities go together, so the mean over an object does not shrink
+        // them; only what its own spread adds to the median does shrink with the number of pixels.
+        let of_median_m = MEDIAN_OVER_MEAN * spread_m / (agreeing.len() as f64).sqrt();
+        let of_left_out_m = left_out_sigma(of_all(agreeing, DEPTH, numbers), labelled.pixels);
+        let depth_sigma_m = rig
+            .depth_sigma_m(in_head, median(of_all(agreeing, SIGMA, numbers)))
+            .hypot(of_median_m)
+            .hypot(of_left_out_m);
+        // The pixels that are left out may lie on one side of the object as well as before or behind it.
+        let pixel_sigma_px = [COLUMN, ROW].map(|side| {
+            left_out_sigma(of_all(agreeing, side, numbers), labelled.pixels)
+                .hypot(params.label_sigma_px)
+        });
+        Ok(LocatedObject {
+            label: labelled.label,
+            position: rig.to_observer(in_head),
+            covariance_m2: covariance(rig, pixel, depth_m, depth_sigma_m, pixel_sigma_px)
+                .ok_or(WhyUnlocated::NotInFront)?,
+            pixel,
+            depth_m,
+            spread_m,
+            pixels: labelled.pixels,
+            reliable_pixels: known.len(),
+            agreeing_pixels: agreeing.len(),
+        })
+    }
 }
 
 /// How far the median of all pixels' depths, columns or rows may be from that of those that agree: one
-/// standard deviation.
+/// standard deviation. It reorders the values.
 ///
 /// The part of those left out that lie below it may be anything from none to all, a uniform distribution
 /// with a standard deviation of `1 / sqrt(12)`. With a part `u` of all left out, that moves the rank of
 /// the median among those that agree by `u / (1 - u)` of it.
 fn left_out_sigma(values: &mut [f64], pixels: usize) -> f64 {
-    values.sort_unstable_by(f64::total_cmp);
     let last = values.len() - 1;
     let kept = values.len() as f64 / pixels as f64;
     let shift = ((1.0 - kept) / kept / 12f64.sqrt()).min(0.5);
-    let at = |rank: f64| values[(rank * last as f64).round() as usize];
+    let mut at = |rank: f64| {
+        let rank = (rank * last as f64).round() as usize;
+        *values.select_nth_unstable_by(rank, f64::total_cmp).1
+    };
     (at(0.5 + shift) - at(0.5 - shift)) / 2.0
 }
 
-fn median_sigma_px(pixels: &[KnownPixel]) -> f64 {
-    let mut sigmas: Vec<f64> = pixels
-        .iter()
-        .map(|pixel| f64::from(pixel.sigma_px))
-        .collect();
-    median(&mut sigmas)
-}
-
-/// The pixels within three standard deviations of the densest half of the depths.
+/// The centre of the densest half of the depths, and how far from it a depth is an outlier: three standard
+/// deviations.
 ///
 /// The deviation is that half's own, but never less than what the disparity's noise explains at
 /// that depth: a flat object has no spread of its own.
-fn without_outliers(
+fn outliers_beyond(
     known: &[KnownPixel],
     rig: &StereoRig,
-) -> Result<Vec<KnownPixel>, WhyUnlocated> {
-    let mut depths = depths_of(known);
-    depths.sort_unstable_by(f64::total_cmp);
-    let (centre_m, own_sigma_m) = densest_half(&depths);
+    (keys, numbers): (&mut Vec<u32>, &mut Vec<f64>),
+) -> Result<(f64, f64), WhyUnlocated> {
+    keys.clear();
+    // Depths are positive, so that their bits are in their own order, and faster to sort.
+    keys.extend(known.iter().map(|pixel| pixel.depth_m.to_bits()));
+    keys.sort_unstable();
+    numbers.clear();
+    numbers.extend(keys.iter().map(|&bits| f64::from(f32::from_bits(bits))));
+    let (centre_m, own_sigma_m) = densest_half(numbers);
     let seen_at = rig
-        .back_project(median_pixel(known), centre_m)
+        .back_project(median_pixel(known, numbers), centre_m)
         .ok_or(WhyUnlocated::NotInFront)?;
-    let noise_m = rig.depth_sigma_m(seen_at, median_sigma_px(known));
-    let cutoff_m = 3.0 * own_sigma_m.max(noise_m);
-    Ok(known
-        .iter()
-        .filter(|pixel| (f64::from(pixel.depth_m) - centre_m).abs() <= cutoff_m)
-        .copied()
-        .collect())
+    let noise_m = rig.depth_sigma_m(seen_at, median(of_all(known, SIGMA, numbers)));
+    Ok((centre_m, 3.0 * own_sigma_m.max(noise_m)))
 }
 
-fn depths_of(pixels: &[KnownPixel]) -> Vec<f64> {
-    pixels
-        .iter()
-        .map(|pixel| f64::from(pixel.depth_m))
-        .collect()
+/// One number of a pixel.
+type Number = fn(&KnownPixel) -> f64;
+
+const DEPTH: Number = |pixel| f64::from(pixel.depth_m);
+const SIGMA: Number = |pixel| f64::from(pixel.sigma_px);
+const COLUMN: Number = |pixel| f64::from(pixel.x);
+const ROW: Number = |pixel| f64::from(pixel.y);
+
+/// That number of all pixels.
+fn of_all<'a>(
+    pixels: &[KnownPixel],
+    number: Number,
+    numbers: &'a mut Vec<f64>,
+) -> &'a mut [f64] {
+    numbers.clear();
+    numbers.extend(pixels.iter().map(number));
+    numbers
 }
 
-fn median_pixel(pixels: &[KnownPixel]) -> (f64, f64) {
-    (median(&mut columns(pixels)), median(&mut rows(pixels)))
-}
-
-fn columns(pixels: &[KnownPixel]) -> Vec<f64> {
-    pixels.iter().map(|pixel| f64::from(pixel.x)).collect()
-}
-
-fn rows(pixels: &[KnownPixel]) -> Vec<f64> {
-    pixels.iter().map(|pixel| f64::from(pixel.y)).collect()
+fn median_pixel(pixels: &[KnownPixel], numbers: &mut Vec<f64>) -> (f64, f64) {
+    let column = median(of_all(pixels, COLUMN, numbers));
+    (column, median(of_all(pixels, ROW, numbers)))
 }
 
 /// The covariance of `origin + depth / D_z D(pixel)` in the observer frame, `D` being the line of

@@ -1,4 +1,4 @@
-use disparity_pyramid::{DisparityField, Validity};
+use disparity_pyramid::{Disparity, DisparityField, Validity};
 use ndarray::{Array2, ArrayView2, Zip};
 use v1_gabor::{Binocular, LumaImage, NotAnImage, Size};
 
@@ -106,11 +106,22 @@ impl Rectification {
     ///
     /// # Errors
     /// [`WrongFieldSize`] if the field has another size than the pictures.
-    #[expect(
-        clippy::missing_panics_doc,
-        reason = "what is not finite has been left out"
-    )]
     pub fn as_taken(&self, field: &DisparityField) -> Result<DisparityField, WrongFieldSize> {
+        let mut taken = DisparityField::default();
+        self.as_taken_into(field, &mut taken)?;
+        Ok(taken)
+    }
+
+    /// The same, written over an earlier field.
+    ///
+    /// # Errors
+    /// [`WrongFieldSize`] if the field has another size than the pictures; what it would be written over
+    /// stays as it is then.
+    pub fn as_taken_into(
+        &self,
+        field: &DisparityField,
+        answers: &mut DisparityField,
+    ) -> Result<(), WrongFieldSize> {
         if field.size() != self.size {
             return Err(WrongFieldSize {
                 field: field.size(),
@@ -118,9 +129,13 @@ impl Rectification {
             });
         }
         let cameras = self.rig.intrinsics();
-        let out_of_view = (0.0, 0.0, 0.0, Validity::OutOfView);
-        let mut answers = Array2::from_elem(self.size.dim(), out_of_view);
-        Zip::indexed(&mut answers).par_for_each(|(y, x), answer| {
+        let out_of_view = Disparity {
+            dx: 0.0,
+            dy: 0.0,
+            confidence: 0.0,
+            covariance: None,
+        };
+        answers.write_over(self.size, |x, y| {
             let found = || {
                 let at = (x as f64, y as f64);
                 let [across, down, ahead] = self.sources.left.ray(at)?.direction;
@@ -129,24 +144,18 @@ impl Rectification {
                 let (shift, nearest) = shift_at(field, here)?;
                 let there = (here.0 + shift.0, here.1 + shift.1);
                 let right = taken(&cameras.right, &self.sources.right, there)?;
-                let (dx, dy) = ((right.0 - at.0) as f32, (right.1 - at.1) as f32);
-                (dx.is_finite() && dy.is_finite()).then_some((
-                    dx,
-                    dy,
-                    field.confidence()[nearest],
-                    field.validity()[nearest],
-                ))
+                let answer = Disparity {
+                    dx: (right.0 - at.0) as f32,
+                    dy: (right.1 - at.1) as f32,
+                    confidence: field.confidence()[nearest],
+                    covariance: None,
+                };
+                let is_finite = answer.dx.is_finite() && answer.dy.is_finite();
+                is_finite.then_some((answer, field.validity()[nearest]))
             };
-            if let Some(found) = found() {
-                *answer = found;
-            }
+            found().unwrap_or((out_of_view, Validity::OutOfView))
         });
-        let dx = answers.mapv(|answer| answer.0);
-        let dy = answers.mapv(|answer| answer.1);
-        let confidence = answers.mapv(|answer| answer.2);
-        let validity = answers.mapv(|answer| answer.3);
-        Ok(DisparityField::new(dx, dy, confidence, validity)
-            .expect("planes of one size, finite as what they are made of"))
+        Ok(())
     }
 
     /// The rectified pictures.
@@ -247,12 +256,26 @@ pub fn resampled_rgb(rgb: ArrayView2<'_, [u8; 3]>, map: &Array2<(f32, f32)>) -> 
 #[must_use]
 pub fn resampled(plane: ArrayView2<'_, f32>, map: &Array2<(f32, f32)>) -> Array2<f32> {
     let mut out = Array2::zeros(map.dim());
-    Zip::from(&mut out).and(map).par_for_each(|out, &(u, v)| {
-        if u.is_finite() && v.is_finite() {
-            *out = cubic(plane, u, v);
-        }
-    });
+    resampled_into(plane, map, &mut out);
     out
+}
+
+/// The same, written over an earlier plane.
+pub fn resampled_into(
+    plane: ArrayView2<'_, f32>,
+    map: &Array2<(f32, f32)>,
+    out: &mut Array2<f32>,
+) {
+    if out.dim() != map.dim() {
+        *out = Array2::zeros(map.dim());
+    }
+    Zip::from(out).and(map).par_for_each(|out, &(u, v)| {
+        *out = if u.is_finite() && v.is_finite() {
+            cubic(plane, u, v)
+        } else {
+            0.0
+        };
+    });
 }
 
 fn cubic(plane: ArrayView2<'_, f32>, u: f32, v: f32) -> f32 {

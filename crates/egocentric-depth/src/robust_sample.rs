@@ -23,10 +23,12 @@ pub(crate) fn median(values: &mut [f64]) -> f64 {
 }
 
 /// The median of the absolute deviations from `centre`, as the standard deviation of a normal
-/// distribution that has it.
-pub(crate) fn robust_sigma(values: &[f64], centre: f64) -> f64 {
-    let mut deviations: Vec<f64> = values.iter().map(|value| (value - centre).abs()).collect();
-    SIGMA_OVER_MAD * median(&mut deviations)
+/// distribution that has it; the values become those deviations.
+pub(crate) fn robust_sigma(values: &mut [f64], centre: f64) -> f64 {
+    for value in &mut *values {
+        *value = (*value - centre).abs();
+    }
+    SIGMA_OVER_MAD * median(values)
 }
 
 /// Centre and standard deviation of the densest half of an ascending sample.

@@ -1,6 +1,8 @@
 use disparity_pyramid::{DisparityField, Validity};
 use ndarray::Array2;
 
+use crate::neighbours::Neighbours;
+
 /// How rough a field of shifts is, in pixels: how far its valid shifts are from their valid neighbours
 /// up to four pixels away, at most, in nine pixels of ten. `None` for a field without valid shifts.
 ///
@@ -12,39 +14,24 @@ use ndarray::Array2;
 /// this pair is.
 #[must_use]
 pub fn roughness_px(field: &DisparityField) -> Option<f64> {
-    let scatter = scatter(field);
-    let across = ninetieth(&scatter, |s| s.0)?;
-    let down = ninetieth(&scatter, |s| s.1)?;
-    Some(if down > 0.0 {
-        (across * across * down).cbrt()
-    } else {
-        across
-    })
+    Neighbours::default().roughness_px(field)
 }
 
 /// The roughness of `dx` alone: of a field that was found along rows, whose `dy` is the rig's and not
 /// the estimator's.
 #[must_use]
 pub fn roughness_across_px(field: &DisparityField) -> Option<f64> {
-    ninetieth(&scatter(field), |s| s.0)
+    Neighbours::default().roughness_across_px(field)
 }
 
-/// What nine pixels of ten keep within.
-fn ninetieth(
-    scatter: &Array2<Option<(f32, f32)>>,
-    component: fn(&(f32, f32)) -> f32,
-) -> Option<f64> {
-    let mut all: Vec<f32> = scatter.iter().flatten().map(component).collect();
-    let place = all.len() * 9 / 10;
-    (!all.is_empty()).then(|| f64::from(*all.select_nth_unstable_by(place, f32::total_cmp).1))
-}
+/// How far away the farthest neighbours of a pixel are, along rows and columns.
+pub(crate) const REACH: usize = 4;
 
 /// How far each valid shift is from its valid neighbours two and four pixels away, at most, in each
 /// component; `None` where there is no valid shift. Between every second pixel the vector pyramid
 /// interpolates, so nearer neighbours tell nothing.
 #[must_use]
 pub fn scatter(field: &DisparityField) -> Array2<Option<(f32, f32)>> {
-    const REACH: usize = 4;
     let size = field.size();
     let (dx, dy, validity) = (field.dx(), field.dy(), field.validity());
     Array2::from_shape_fn(size.dim(), |(y, x)| {

@@ -4,8 +4,8 @@ use v1_gabor::Binocular;
 
 use crate::general_form::{depth_of_tangents, tangent_of_sum};
 use crate::rectified_form::rectified_form;
-use crate::triangulate_rays::rays_where;
-use crate::{DepthMap, StereoRig};
+use crate::triangulate_rays::meeting;
+use crate::{DepthMap, DisparitySigma, SigmaWorkspace, StereoRig};
 
 /// Depth of every pixel whose disparity the estimator stands behind; all others are unknown.
 ///
@@ -28,13 +28,59 @@ pub fn triangulate_guesses(disparity: &DisparityField, rig: &StereoRig) -> Depth
     depth_where(disparity, rig, |_| true)
 }
 
+/// Depth of every pixel whose disparity the estimator stands behind, and one standard deviation of that
+/// disparity: `triangulate(disparity, rig).with_disparity_sigma(sigma.of(disparity))`, bit for bit, written
+/// over an earlier map in buffers that are kept.
+pub fn triangulate_into(
+    disparity: &DisparityField,
+    rig: &StereoRig,
+    sigma: &DisparitySigma,
+    workspace: &mut SigmaWorkspace,
+    depth: &mut DepthMap,
+) {
+    depth.write_over(disparity.size(), |metres, sigma_px| {
+        sigma.of_into(disparity, workspace, sigma_px);
+        write_depths(disparity, rig, Validity::is_valid, metres);
+        Zip::from(metres)
+            .and(&*sigma_px)
+            .par_for_each(|metres, &sigma_px| {
+                if !(sigma_px.is_finite() && sigma_px >= 0.0) {
+                    *metres = f32::NAN;
+                }
+            });
+    });
+}
+
 fn depth_where(
     disparity: &DisparityField,
     rig: &StereoRig,
     trusted: impl Fn(Validity) -> bool + Sync,
 ) -> DepthMap {
+    let mut depth = DepthMap::default();
+    depth.write_over(disparity.size(), |metres, _| {
+        write_depths(disparity, rig, trusted, metres);
+    });
+    depth
+}
+
+fn write_depths(
+    disparity: &DisparityField,
+    rig: &StereoRig,
+    trusted: impl Fn(Validity) -> bool + Sync,
+    metres: &mut Array2<f32>,
+) {
     if !rig.only_pans() {
-        return rays_where(disparity, &rig.eyes(), trusted).depth;
+        let eyes = rig.eyes();
+        Zip::indexed(metres)
+            .and(disparity.dx())
+            .and(disparity.dy())
+            .and(disparity.validity())
+            .par_for_each(|pixel, metres, &dx, &dy, &validity| {
+                let (y, x) = pixel;
+                let found = trusted(validity).then(|| meeting(&eyes, (x, y), (dx, dy)));
+                *metres = known(found.flatten().map_or(f64::NAN, |found| found.position.z_m));
+            });
+        return;
     }
     let eyes = rig.intrinsics();
     let focal_px = eyes.map(|eye| eye.focal_px.0);
@@ -46,42 +92,52 @@ fn depth_where(
     if parallel && focal_px.left == focal_px.right {
         let doffs = centre_px.right - centre_px.left;
         let focal_baseline = focal_px.left * baseline_m;
-        return depth_by_column(disparity, trusted, |_, dx| {
+        return write_by_column(disparity, trusted, metres, |_, dx| {
             rectified_form(focal_baseline, -dx, doffs)
         });
     }
 
-    // The left azimuth is one number to a column; the right one depends on the disparity too.
-    let left: Vec<f64> = (0..disparity.size().width)
-        .map(|x| tangent_of_sum(pan.left, (x as f64 - centre_px.left) / focal_px.left))
-        .collect();
-    depth_by_column(disparity, trusted, |x, dx| {
-        let in_right_eye = (x as f64 + dx - centre_px.right) / focal_px.right;
+    write_by_column(disparity, trusted, metres, |x, dx| {
+        let in_eyes = Binocular {
+            left: (x as f64 - centre_px.left) / focal_px.left,
+            right: (x as f64 + dx - centre_px.right) / focal_px.right,
+        };
         let tangent = Binocular {
-            left: left[x],
-            right: tangent_of_sum(pan.right, in_right_eye),
+            left: tangent_of_sum(pan.left, in_eyes.left),
+            right: tangent_of_sum(pan.right, in_eyes.right),
         };
         depth_of_tangents(baseline_m, tangent)
-    })
+    });
 }
 
 /// Walks the rows; `depth` takes a column and the horizontal shift there.
-fn depth_by_column(
+fn write_by_column(
     disparity: &DisparityField,
-    trusted: impl Fn(Validity) -> bool,
-    depth: impl Fn(usize, f64) -> f64,
-) -> DepthMap {
-    let mut metres = Array2::from_elem(disparity.size().dim(), f32::NAN);
+    trusted: impl Fn(Validity) -> bool + Sync,
+    metres: &mut Array2<f32>,
+    depth: impl Fn(usize, f64) -> f64 + Sync,
+) {
     Zip::from(metres.rows_mut())
         .and(disparity.dx().rows())
         .and(disparity.validity().rows())
-        .for_each(|mut metres, dx, validity| {
+        .par_for_each(|mut metres, dx, validity| {
             let matches = dx.iter().zip(validity);
             for (x, (metres, (&dx, &validity))) in metres.iter_mut().zip(matches).enumerate() {
-                if trusted(validity) {
-                    *metres = depth(x, f64::from(dx)) as f32;
-                }
+                *metres = if trusted(validity) {
+                    known(depth(x, f64::from(dx)))
+                } else {
+                    f32::NAN
+                };
             }
         });
-    DepthMap::new(metres)
+}
+
+/// A depth as a map holds it: unknown where it is not positive and finite.
+fn known(metres: f64) -> f32 {
+    let metres = metres as f32;
+    if metres.is_finite() && metres > 0.0 {
+        metres
+    } else {
+        f32::NAN
+    }
 }

@@ -1,10 +1,10 @@
-use disparity_pyramid::{DisparityField, Validity};
+use disparity_pyramid::DisparityField;
 use ndarray::{Array2, Zip};
 use v1_gabor::Binocular;
 
 use crate::DepthMap;
 use crate::eye::Eye;
-use crate::midpoint::midpoint;
+use crate::midpoint::{Midpoint, midpoint};
 
 /// Depth by the midpoint of two lines of sight, and how far these pass each other.
 #[derive(Clone, Debug)]
@@ -24,15 +24,6 @@ pub struct RayTriangulation {
 /// are those of [`triangulate`](crate::triangulate()) as far as the lines of sight meet.
 #[must_use]
 pub fn triangulate_rays(disparity: &DisparityField, eyes: &Binocular<Eye>) -> RayTriangulation {
-    rays_where(disparity, eyes, Validity::is_valid)
-}
-
-/// The same where a validity is trusted.
-pub(crate) fn rays_where(
-    disparity: &DisparityField,
-    eyes: &Binocular<Eye>,
-    trusted: impl Fn(Validity) -> bool + Sync,
-) -> RayTriangulation {
     let mut depth = Array2::from_elem(disparity.size().dim(), f32::NAN);
     let mut gap_m = depth.clone();
     Zip::indexed(disparity.dx())
@@ -41,17 +32,8 @@ pub(crate) fn rays_where(
         .and(&mut depth)
         .and(&mut gap_m)
         .par_for_each(|(y, x), &dx, &dy, &validity, depth, gap_m| {
-            if !trusted(validity) {
-                return;
-            }
-            let (u, v) = (x as f64, y as f64);
-            let right = (u + f64::from(dx), v + f64::from(dy));
-            let rays = (eyes.left.ray((u, v)), eyes.right.ray(right));
-            let (Some(left), Some(right)) = rays else {
-                return;
-            };
-            let found = midpoint(Binocular { left, right });
-            if let Some(found) = found.filter(|found| found.position.z_m > 0.0) {
+            let found = validity.is_valid().then(|| meeting(eyes, (x, y), (dx, dy)));
+            if let Some(found) = found.flatten() {
                 *depth = found.position.z_m as f32;
                 *gap_m = found.gap_m as f32;
             }
@@ -60,4 +42,16 @@ pub(crate) fn rays_where(
         depth: DepthMap::new(depth),
         gap_m,
     }
+}
+
+/// Where the lines of sight of a pixel and of its match come nearest in front of the eyes.
+pub(crate) fn meeting(
+    eyes: &Binocular<Eye>,
+    (x, y): (usize, usize),
+    (dx, dy): (f32, f32),
+) -> Option<Midpoint> {
+    let (u, v) = (x as f64, y as f64);
+    let right = (u + f64::from(dx), v + f64::from(dy));
+    let (left, right) = (eyes.left.ray((u, v))?, eyes.right.ray(right)?);
+    midpoint(Binocular { left, right }).filter(|found| found.position.z_m > 0.0)
 }

@@ -82,6 +82,14 @@ impl FilterBank {
         self
     }
 
+    /// Whether the other bank has the same filters for images of the same size, bound to the same
+    /// instructions: whether both give the same bits.
+    #[must_use]
+    pub fn is_same_as(&self, other: &Self) -> bool {
+        let plan = |bank: &Self| (bank.family, bank.size, bank.instructions);
+        plan(self) == plan(other)
+    }
+
     /// The family that the bank was planned for, with its parameters.
     #[must_use]
     pub const fn family(&self) -> Family {

@@ -70,6 +70,32 @@ impl LumaImage {
         reduce_into(self.plane(), &mut halved.0);
     }
 
+    /// Writes over an image: `fill` is given a plane of this size, with whatever it holds, and writes every
+    /// sample. Nothing is allocated if the image has the size already.
+    ///
+    /// # Errors
+    /// [`NotAnImage`] if the size is without a pixel or a sample is not finite; the image is then black.
+    pub fn write_over(
+        &mut self,
+        size: Size,
+        fill: impl FnOnce(&mut Array2<f32>),
+    ) -> Result<(), NotAnImage> {
+        if size.area() == 0 {
+            return Err(NotAnImage::Empty);
+        }
+        if self.size() != size {
+            self.0 = Array2::zeros(size.dim());
+        }
+        fill(&mut self.0);
+        match self.0.indexed_iter().find(|(_, luma)| !luma.is_finite()) {
+            None => Ok(()),
+            Some(((y, x), _)) => {
+                self.0.fill(0.0);
+                Err(NotAnImage::NotFinite { x, y })
+            }
+        }
+    }
+
     /// The samples `[[y, x]]`, given away.
     #[must_use]
     pub fn into_plane(self) -> Array2<f32> {

@@ -117,6 +117,12 @@ impl DenseMatcher {
         self.params
     }
 
+    /// The size of the pictures.
+    #[must_use]
+    pub const fn size(&self) -> Size {
+        self.size
+    }
+
     /// The disparity of every pixel of the left image.
     ///
     /// Rows must correspond (a rectified pair); `dy` is 0 everywhere. Shifts that would leave the

@@ -81,16 +81,31 @@ impl SearchRange {
     /// and lies far before everything else may be missed.
     #[must_use]
     pub fn covering(field: &DisparityField) -> Option<Self> {
+        Self::covering_in(field, &mut Vec::new())
+    }
+
+    /// The same in a buffer that is kept from field to field; what it holds means nothing.
+    #[must_use]
+    pub fn covering_in(field: &DisparityField, valid: &mut Vec<f32>) -> Option<Self> {
         const OUTLIERS: usize = 200;
         const MARGIN_PX: f32 = 6.0;
         const MARGIN_SPAN: f32 = 1.0 / 6.0;
-        let valid = field.dx().into_iter().zip(field.validity());
-        let mut valid: Vec<f32> = valid
-            .filter_map(|(dx, validity)| validity.is_valid().then_some(*dx))
-            .collect();
-        valid.sort_unstable_by(f32::total_cmp);
+        valid.clear();
+        valid.reserve(field.dx.len());
+        let shifts = field.dx.iter().zip(&field.validity);
+        valid.extend(shifts.filter_map(|(dx, validity)| validity.is_valid().then_some(*dx)));
+        if valid.is_empty() {
+            return None;
+        }
         let skipped = valid.len() / OUTLIERS;
-        let (least, most) = (valid.get(skipped)?, valid.get(valid.len() - 1 - skipped)?);
+        // Of two numbers only the ranks are asked: a selection, where a sort would take ten times as long.
+        let most = valid.len() - 1 - skipped;
+        let (below, &mut most, _) = valid.select_nth_unstable_by(most, f32::total_cmp);
+        let least = if skipped < below.len() {
+            *below.select_nth_unstable_by(skipped, f32::total_cmp).1
+        } else {
+            most
+        };
         let margin_px = MARGIN_PX + MARGIN_SPAN * (most - least);
         let width = field.size().width;
         let range = Self {
