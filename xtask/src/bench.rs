@@ -23,6 +23,7 @@ use crate::eval_middlebury::{progress, write_file};
 use crate::machine::Machine;
 use crate::opencv_clock::{MATCHERS, OpencvClock};
 use crate::python_environment;
+use crate::whole_look::WholeLook;
 
 /// Disparities that the dense estimators search, ours and others.
 const SHIFTS: usize = 128;
@@ -33,7 +34,8 @@ const SHIFTS: usize = 128;
 /// else the machine does meets all of them alike; the medians of the rounds stand. A contestant's time
 /// goes from the images to the field: for the vector pyramid with both banks. With --peers OpenCV's
 /// SGBM, its three-way mode, BM (all with 128 disparities) and DIS run in the same rounds, in a
-/// Python of their own (see compare-opencv). Writes docs/performance.md if all sizes run with --peers.
+/// Python of their own (see compare-opencv). A whole look goes on from both fields to depths, objects and
+/// relations. Some contestants run on two threads too. Writes docs/performance.md if all sizes run with --peers.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
@@ -74,8 +76,9 @@ pub(crate) struct Report {
     /// OpenCV's version, if it ran.
     pub(crate) opencv: Option<String>,
     pub(crate) sizes: Vec<AtSize>,
-    /// How many times faster than OpenCV's SGBM, by CPU medians, at the size that comes nearest to
-    /// 1024 x 768; empty without peers.
+    /// How many times faster than OpenCV's SGBM, by CPU medians (with peers only; `vector_vs_sgbm` is the
+    /// pyramid without its look back, `vector_default_vs_sgbm` with it), and whole looks a second by the
+    /// median wall time on two threads, at the size that comes nearest to 1024 x 768.
     pub(crate) ratios: BTreeMap<&'static str, f64>,
 }
 
@@ -85,6 +88,18 @@ pub(crate) struct AtSize {
     pub(crate) width: usize,
     pub(crate) height: usize,
     pub(crate) contestants: Vec<Contestant>,
+    /// The same on two threads, for those that are asked.
+    pub(crate) two_threads: Vec<TwoThreads>,
+}
+
+/// One contestant on one thread and on two, in the same rounds.
+#[derive(Debug, Serialize)]
+pub(crate) struct TwoThreads {
+    pub(crate) name: &'static str,
+    /// Median wall time.
+    pub(crate) wall_ms: f64,
+    /// The median over the rounds of the wall time on as many threads as all contestants have over this one.
+    pub(crate) times_faster: f64,
 }
 
 /// One contestant's medians.
@@ -106,8 +121,9 @@ const DENSE_FAST: &str = "dense, fast";
 const DENSE_FULL: &str = "dense, fast, whole range";
 const DENSE_BEST: &str = "dense, best";
 const DENSE_VERGED: &str = "dense, fast, verged pair";
+const LOOK: &str = "whole look";
 
-const OURS: [&str; 8] = [
+const OURS: [&str; 9] = [
     RESPONSES,
     VECTOR,
     NO_LOOK_BACK,
@@ -116,7 +132,11 @@ const OURS: [&str; 8] = [
     DENSE_FULL,
     DENSE_BEST,
     DENSE_VERGED,
+    LOOK,
 ];
+
+/// Those that run on two threads too.
+const ON_TWO: [&str; 4] = [VECTOR, NO_LOOK_BACK, DENSE_FAST, LOOK];
 
 /// OpenCV's matchers that search along rows, as the dense estimator does.
 const ALONG_ROWS: [&str; 3] = ["SGBM", "3WAY", "BM"];
@@ -185,7 +205,9 @@ fn at_size(
     let room = Room::demo();
     let gaze = room.head().resized(size).fixate(room.fixation_m())?;
     let verged = render(&room, &gaze, Exposure::default())?.images;
-    let parallel = render(&room, &parallel_gaze(&room, size)?, Exposure::default())?.images;
+    let gaze = parallel_gaze(&room, size)?;
+    let view = render(&room, &gaze, Exposure::default())?;
+    let parallel = view.images.clone();
     let start = |images: &Binocular<LumaImage>| match python {
         None => Ok(None),
         Some(python) => start_peers(python, images, usize::from(options.threads)).map(Some),
@@ -195,7 +217,11 @@ fn at_size(
     let threads = rayon::ThreadPoolBuilder::new()
         .num_threads(usize::from(options.threads))
         .build()?;
-    let mut ours = threads.install(|| Ours::plan(verged, parallel))?;
+    let two = rayon::ThreadPoolBuilder::new().num_threads(2).build()?;
+    let bank = FilterBank::plan(GaborParams::default().fitted_to(size), size)?;
+    let look = WholeLook::plan(&room, &gaze, view, bank.clone());
+    let mut ours = threads.install(|| Ours::plan(bank, look, verged, parallel))?;
+    let mut on_two = ON_TWO.map(|name| (name, Vec::new(), Vec::new()));
     let mut runs: Vec<(&'static str, Vec<Clocked>)> = OURS.map(|name| (name, Vec::new())).to_vec();
     if peers.is_some() {
         runs.extend(MATCHERS.map(|name| (name, Vec::new())));
@@ -220,6 +246,18 @@ fn at_size(
                 runs.push(took);
             }
         }
+        for (name, walls, gains) in &mut on_two {
+            let mut wall = |pool: &rayon::ThreadPool| {
+                let (done, took) = clocked(|| pool.install(|| ours.run(name)));
+                done.map(|()| took.wall.as_secs_f64() * 1e3)
+            };
+            // One after the other, so that both meet the same machine.
+            let (alone, both) = (wall(&threads)?, wall(&two)?);
+            if round > 0 {
+                walls.push(both);
+                gains.push(alone / both);
+            }
+        }
         if round > 0 {
             bar.inc(1);
         }
@@ -231,6 +269,14 @@ fn at_size(
         width: size.width,
         height: size.height,
         contestants: contestants.collect(),
+        two_threads: on_two
+            .into_iter()
+            .map(|(name, walls, gains)| TwoThreads {
+                name,
+                wall_ms: median(walls),
+                times_faster: median(gains),
+            })
+            .collect(),
     };
     Ok((at_size, peers.map(|peers| peers.version.clone())))
 }
@@ -290,12 +336,17 @@ struct Ours {
     field: DisparityField,
     dense: BTreeMap<&'static str, DenseStream>,
     search: SearchRange,
+    look: WholeLook,
 }
 
 impl Ours {
-    fn plan(images: Binocular<LumaImage>, parallel: Binocular<LumaImage>) -> anyhow::Result<Self> {
-        let size = images.left.size();
-        let bank = FilterBank::plan(GaborParams::default().fitted_to(size), size)?;
+    fn plan(
+        bank: FilterBank,
+        look: WholeLook,
+        images: Binocular<LumaImage>,
+        parallel: Binocular<LumaImage>,
+    ) -> anyhow::Result<Self> {
+        let size = bank.size();
         let params = MatchParams::default();
         let settings = [
             (VECTOR, params),
@@ -337,6 +388,7 @@ impl Ours {
             bank,
             field: DisparityField::default(),
             search: SearchRange::new(1 - SHIFTS as i32, 0)?,
+            look,
             images,
         })
     }
@@ -350,6 +402,9 @@ impl Ours {
         }
         if name == RESPONSES {
             return self.respond();
+        }
+        if name == LOOK {
+            return self.look.look();
         }
         let pair = if name == DENSE_VERGED {
             &self.images
@@ -421,7 +476,13 @@ fn write_pair(images: &Binocular<LumaImage>, folder: &Path) -> anyhow::Result<Bi
     })
 }
 
-/// How many times faster than SGBM ours are.
+/// The middle one of some numbers, of two the larger; NaN of none.
+fn median(mut numbers: Vec<f64>) -> f64 {
+    numbers.sort_by(f64::total_cmp);
+    numbers.get(numbers.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+/// How many times faster than SGBM ours are, and how often a second a whole look is done.
 fn ratios(sizes: &[AtSize]) -> BTreeMap<&'static str, f64> {
     let nearest = sizes.iter().min_by_key(|at| {
         let area = at.width * at.height;
@@ -432,14 +493,16 @@ fn ratios(sizes: &[AtSize]) -> BTreeMap<&'static str, f64> {
         Some(found.cpu_ms)
     };
     let names = [
-        ("vector_vs_sgbm", VECTOR),
-        ("vector_no_look_back_vs_sgbm", NO_LOOK_BACK),
+        ("vector_vs_sgbm", NO_LOOK_BACK),
+        ("vector_default_vs_sgbm", VECTOR),
         ("vector_one_warp_vs_sgbm", ONE_WARP),
         ("dense_fast_vs_sgbm", DENSE_FAST),
         ("dense_best_vs_sgbm", DENSE_BEST),
     ];
     let ratio = |(key, name)| Some((key, cpu("SGBM")? / cpu(name)?));
-    names.into_iter().filter_map(ratio).collect()
+    let looks = nearest.and_then(|at| at.two_threads.iter().find(|one| one.name == LOOK));
+    let looks = looks.map(|look| ("looks_per_second", 1e3 / look.wall_ms));
+    names.into_iter().filter_map(ratio).chain(looks).collect()
 }
 
 /// The command that measures the same again.
@@ -505,6 +568,9 @@ mod tests {
         let (at_size, version) = at_size(size, None, &options, &ProgressBar::hidden()).unwrap();
         assert_eq!(at_size.contestants.len(), OURS.len());
         assert!(at_size.contestants.iter().all(|one| one.wall_ms > 0.0));
-        assert!(version.is_none() && ratios(&[at_size]).is_empty());
+        assert_eq!(at_size.two_threads.len(), ON_TWO.len());
+        assert!(at_size.two_threads.iter().all(|one| one.times_faster > 0.0));
+        let ratios = ratios(&[at_size]);
+        assert!(version.is_none() && ratios.keys().eq(["looks_per_second"].iter()));
     }
 }

@@ -10,7 +10,8 @@ pub(crate) fn bench_page(report: &Report) -> String {
          matchers, which search 128 disparities along rows (block 5; BM 15), see it with parallel eyes, as both ask for a \
          rectified pair. `dense, fast, verged pair` is given the former all the same: hardly anything matches along rows there, \
          so a coarse look narrows little. Times go from the images in memory to the field, for the vector pyramid with both banks \
-         over six scales.\n",
+         over six scales. A whole look is the facade's: the vector pyramid, which finds the range, dense `fast`, depths, objects and \
+         relations, on a frame of parallel eyes with labels that is held in memory.\n",
         report.command,
         report.date,
         report.machine.cpu,
@@ -47,7 +48,17 @@ pub(crate) fn bench_page(report: &Report) -> String {
                 }),
             ]);
         }
-        page += &format!("\n## {} x {}\n\n{table}", at.width, at.height);
+        let mut two =
+            MarkdownTable::new(["on two threads", "wall, ms", "times faster", "a second"]);
+        for one in &at.two_threads {
+            two.push([
+                one.name.to_owned(),
+                format!("{:.1}", one.wall_ms),
+                format!("{:.2}", one.times_faster),
+                format!("{:.1}", 1e3 / one.wall_ms),
+            ]);
+        }
+        page += &format!("\n## {} x {}\n\n{table}\n{two}", at.width, at.height);
     }
     page
 }

@@ -91,6 +91,7 @@ mod textured_marks;
 mod vergent_run;
 mod visible;
 mod wheel;
+mod whole_look;
 
 use std::process::ExitCode;
 

@@ -153,13 +153,7 @@ impl Band {
             while next <= self.reaches[i].1 {
                 let place = next & (held - 1);
                 let row = &mut self.right.as_mut_slice()[place * stride..][..stride];
-                respond(
-                    eyes.bank,
-                    eyes.images.right,
-                    next,
-                    &mut self.workspace,
-                    row,
-                );
+                respond(eyes.bank, eyes.images.right, next, &mut self.workspace, row);
                 next += 1;
             }
             let row = self.left.as_mut_slice();

@@ -137,9 +137,10 @@ fn an_image_of_another_size_is_refused() {
 #[test]
 fn searches_for_a_start_say_the_same_of_images_and_of_responses() {
     let sizes = [(200, 120), (90, 60)];
-    for ((width, height), shift) in sizes.into_iter().flat_map(|size| {
-        [(-6.0, 0.5), (-70.0, 2.0), (30.0, -4.0)].map(|shift| (size, shift))
-    }) {
+    for ((width, height), shift) in sizes
+        .into_iter()
+        .flat_map(|size| [(-6.0, 0.5), (-70.0, 2.0), (30.0, -4.0)].map(|shift| (size, shift)))
+    {
         let size = Size { width, height };
         let eyes = eyes(size, 7, shift);
         let gabor = GaborParams::default();
@@ -153,9 +154,7 @@ fn searches_for_a_start_say_the_same_of_images_and_of_responses() {
             let mut matcher = VectorMatcher::plan(bank.clone(), params).unwrap();
             // What an earlier pair left must not matter.
             let mut found = estimate_from_votes(&responses, params).unwrap();
-            matcher
-                .estimate_near_first_into(&eyes, &mut found)
-                .unwrap();
+            matcher.estimate_near_first_into(&eyes, &mut found).unwrap();
             let want = estimate_near_first(&responses, params).unwrap();
             assert!(found == want, "{size} {shift:?}");
             matcher.estimate_from_votes_into(&eyes, &mut found).unwrap();

@@ -1,8 +1,6 @@
 use anyhow::Context as _;
 use dorsal::allocentric_qsr::{DepthReference, Inference, Mode, QualifyParams, QualitativeScene};
-use dorsal::disparity_pyramid::{
-    DisparityField, EyeView, FromVotes, MatchParams, RowAlignment,
-};
+use dorsal::disparity_pyramid::{DisparityField, EyeView, FromVotes, MatchParams, RowAlignment};
 use dorsal::egocentric_depth::{
     EgocentricScene, LocateParams, NoOrientation, OrientationParams, RelativeOrientation,
     SegmentParams, Segmentation, StereoRig, locate_into, relative_orientation, segment,
@@ -217,8 +215,7 @@ impl Plan {
         let rectified = match (dense.rows, &self.rig) {
             (Rows::Rectified, Some(rig)) => {
                 console.step("rectifying what the eyes see");
-                let rectified =
-                    times.measure("rectifying", || room.estimator.rectify(&views, rig));
+                let rectified = times.measure("rectifying", || room.estimator.rectify(&views, rig));
                 Some(rectified.context("the pictures cannot be rectified")?)
             }
             _ => None,

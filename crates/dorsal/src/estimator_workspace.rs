@@ -83,7 +83,9 @@ impl EstimatorWorkspace {
         (bank, matching): (&FilterBank, MatchParams),
     ) -> Result<(), Error> {
         let mut found = std::mem::take(&mut self.vectors);
-        let seen = self.vector(bank, matching)?.estimate_into(eyes, &mut found.field);
+        let seen = self
+            .vector(bank, matching)?
+            .estimate_into(eyes, &mut found.field);
         self.vectors = found;
         Ok(seen?)
     }

@@ -1,7 +1,5 @@
 use disparity_pyramid::{DisparityField, EyeView};
-use egocentric_depth::{
-    Rectification, StereoRig, WrongFieldSize, resampled_into, resampled_rgb,
-};
+use egocentric_depth::{Rectification, StereoRig, WrongFieldSize, resampled_into, resampled_rgb};
 use ndarray::Array2;
 use v1_gabor::{Binocular, LumaImage, Size};
 

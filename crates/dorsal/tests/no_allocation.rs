@@ -93,10 +93,7 @@ fn a_later_look_allocates_nothing_large() {
                 for _ in 0..3 {
                     let count = look();
                     let largest = LARGEST.load(Ordering::Relaxed);
-                    assert_eq!(
-                        count, 0,
-                        "{what}, {threads} threads: up to {largest} bytes"
-                    );
+                    assert_eq!(count, 0, "{what}, {threads} threads: up to {largest} bytes");
                 }
                 assert!(!percept.egocentric.objects.is_empty(), "{what}");
             });

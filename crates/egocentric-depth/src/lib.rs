@@ -117,9 +117,7 @@ pub use normals::normals;
 pub use point_cloud::{CloudPoint, point_cloud};
 pub use position::{Head, Observer, Position};
 pub use reach::{Reach, Search, reach_px};
-pub use rectification::{
-    Rectification, WrongFieldSize, resampled, resampled_into, resampled_rgb,
-};
+pub use rectification::{Rectification, WrongFieldSize, resampled, resampled_into, resampled_rgb};
 pub use relative_orientation::{
     NoOrientation, OrientationParams, RelativeOrientation, relative_orientation,
 };

@@ -339,11 +339,7 @@ const COLUMN: Number = |pixel| f64::from(pixel.x);
 const ROW: Number = |pixel| f64::from(pixel.y);
 
 /// That number of all pixels.
-fn of_all<'a>(
-    pixels: &[KnownPixel],
-    number: Number,
-    numbers: &'a mut Vec<f64>,
-) -> &'a mut [f64] {
+fn of_all<'a>(pixels: &[KnownPixel], number: Number, numbers: &'a mut Vec<f64>) -> &'a mut [f64] {
     numbers.clear();
     numbers.extend(pixels.iter().map(number));
     numbers

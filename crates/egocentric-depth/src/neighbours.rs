@@ -63,7 +63,11 @@ impl Neighbours {
                     band.walk_row(shifts, validity, y);
                 }
             });
-        let all = self.bands.iter().map(|band| band.found.len()).sum::<usize>();
+        let all = self
+            .bands
+            .iter()
+            .map(|band| band.found.len())
+            .sum::<usize>();
         (all > 0).then(|| f64::from(self.nth(all * 9 / 10)))
     }
 
@@ -86,7 +90,8 @@ impl Neighbours {
         self.near.clear();
         // Room for all of one bin, whatever the next field holds.
         self.near.reserve(found().count());
-        self.near.extend(found().filter(|value| bin(value) == wanted));
+        self.near
+            .extend(found().filter(|value| bin(value) == wanted));
         *self
             .near
             .select_nth_unstable_by(place - below, f32::total_cmp)

@@ -261,11 +261,7 @@ pub fn resampled(plane: ArrayView2<'_, f32>, map: &Array2<(f32, f32)>) -> Array2
 }
 
 /// The same, written over an earlier plane.
-pub fn resampled_into(
-    plane: ArrayView2<'_, f32>,
-    map: &Array2<(f32, f32)>,
-    out: &mut Array2<f32>,
-) {
+pub fn resampled_into(plane: ArrayView2<'_, f32>, map: &Array2<(f32, f32)>, out: &mut Array2<f32>) {
     if out.dim() != map.dim() {
         *out = Array2::zeros(map.dim());
     }

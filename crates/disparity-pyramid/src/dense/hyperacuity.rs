@@ -138,7 +138,7 @@ impl Row<'_> {
     }
 
     #[inline(always)]
-    fn walk<S: Rough, M: Machine<SQUARE>>(mut self, simd: S, machine: M) {
+    fn walk<S: Rough, M: Machine<SQUARE>>(self, simd: S, machine: M) {
         let mut block = Block::default();
         let width = self.dx.len();
         for start in (0..width).step_by(S::F32_LANES) {
