@@ -1,9 +1,11 @@
 """Runs OpenCV's stereo matchers on the pairs of an exchange folder, and times them.
 
-Usage: opencv_matchers.py FOLDER
+Usage: opencv_matchers.py FOLDER [MATCHER SETTING]
 
-FOLDER/pairs.json lists the pairs: name, left, right, shifts (a multiple of 16: disparities 0 to
-shifts - 1 are searched). For every matcher and every setting of its grid, and for every pair, this
+With MATCHER and SETTING, as matchers.json names them, that one alone runs.
+
+FOLDER/pairs.json lists the pairs: name, left, right, least, shifts (a multiple of 16: disparities
+least to least + shifts - 1 are searched). For every matcher and every setting of its grid, and for every pair, this
 writes FOLDER/INDEX-NAME.f32 (disparity in pixels, row-major, little-endian, holes filled
 with the lower neighbour on the row) and FOLDER/INDEX-NAME.u8 (1 where the matcher itself
 gave a value), and at the end FOLDER/matchers.json: the settings, CPU seconds of each pair, versions.
@@ -30,13 +32,14 @@ SGBM_GRID = list(itertools.product([3, 5], [1, 2], [15, 63]))
 BM_GRID = list(itertools.product([9, 15, 21], [15, 31]))
 
 
-def sgbm(mode, shifts, block, factor, cap):
+def sgbm(mode, least, shifts, block, factor, cap):
     p1, p2 = factor * 8 * block * block, factor * 32 * block * block
-    return cv2.StereoSGBM_create(0, shifts, block, p1, p2, 1, cap, 10, 100, 2, MODES[mode])
+    return cv2.StereoSGBM_create(least, shifts, block, p1, p2, 1, cap, 10, 100, 2, MODES[mode])
 
 
-def bm(shifts, block, cap):
+def bm(least, shifts, block, cap):
     matcher = cv2.StereoBM_create(shifts, block)
+    matcher.setMinDisparity(least)
     matcher.setPreFilterCap(cap)
     matcher.setSpeckleWindowSize(100)
     matcher.setSpeckleRange(2)
@@ -48,22 +51,23 @@ def settings():
     for mode in MODES:
         for block, factor, cap in SGBM_GRID:
             name = f"block {block}, P x {factor}, cap {cap}"
-            yield mode, name, lambda shifts, m=mode, a=(block, factor, cap): sgbm(m, shifts, *a)
+            yield mode, name, lambda *range_, m=mode, a=(block, factor, cap): sgbm(m, *range_, *a)
     for block, cap in BM_GRID:
-        yield "BM", f"block {block}, cap {cap}", lambda shifts, a=(block, cap): bm(shifts, *a)
+        yield "BM", f"block {block}, cap {cap}", lambda *range_, a=(block, cap): bm(*range_, *a)
 
 
-def match(matcher, left, right, shifts):
+def match(matcher, left, right, least, shifts):
     """Disparity, what of it is valid, and CPU seconds of the matcher alone.
 
-    The left border is continued by the range, so that the matcher covers the whole picture.
+    The borders are continued by the range, so that the matcher covers the whole picture.
     """
-    pad = [cv2.copyMakeBorder(eye, 0, 0, shifts, 0, cv2.BORDER_REPLICATE) for eye in (left, right)]
+    before, after = max(0, least + shifts), max(0, -least)
+    pad = [cv2.copyMakeBorder(eye, 0, 0, before, after, cv2.BORDER_REPLICATE) for eye in (left, right)]
     start = time.process_time()
     found = matcher.compute(*pad)
     seconds = time.process_time() - start
-    disparity = found[:, shifts:].astype(np.float32) / 16
-    return disparity, disparity >= 0, seconds
+    disparity = found[:, before : before + left.shape[1]].astype(np.float32) / 16
+    return disparity, disparity >= least, seconds
 
 
 def fill(disparity, valid):
@@ -85,11 +89,13 @@ def main():
     for pair in pairs:
         pair["eyes"] = [cv2.imread(pair[eye], cv2.IMREAD_GRAYSCALE) for eye in ("left", "right")]
     runs = []
-    for index, (matcher, setting, make) in enumerate(settings()):
+    wanted = tuple(sys.argv[2:4])
+    tried = [one for one in settings() if not wanted or one[:2] == wanted]
+    for index, (matcher, setting, make) in enumerate(tried):
         seconds = {}
         for pair in pairs:
-            shifts = pair["shifts"]
-            disparity, valid, took = match(make(shifts), *pair["eyes"], shifts)
+            searched = pair["least"], pair["shifts"]
+            disparity, valid, took = match(make(*searched), *pair["eyes"], *searched)
             seconds[pair["name"]] = took
             stem = f"{index}-{pair['name']}"
             fill(disparity, valid).tofile(folder / f"{stem}.f32")

@@ -100,10 +100,11 @@ fn compare(
             name: scene.description.name.clone(),
             left: eyes.left,
             right: eyes.right,
+            least: 0,
             shifts: search_of(truth.view())?.shifts(),
         });
     }
-    let runs = opencv::match_pairs(python, folder, &pairs)?;
+    let runs = opencv::match_pairs(python, folder, &pairs, None)?;
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
 
     let mut ours = [Vec::new(), Vec::new()];

@@ -1,8 +1,10 @@
 use anyhow::Context;
 use clap::ValueEnum;
 use disparity_pyramid::{
-    DenseMatcher, DenseParams, DisparityField, EyeView, MatchParams, SearchRange, estimate,
+    DenseMatcher, DenseParams, DisparityField, EyeView, MatchParams, RowAlignment, SearchRange,
+    estimate,
 };
+use dorsal::{DenseLook, Rows, Search};
 use ndarray::ArrayView2;
 use serde::Serialize;
 use stereo_formats::picture::Picture;
@@ -88,11 +90,34 @@ pub(crate) fn dense(
     search: SearchRange,
 ) -> anyhow::Result<DisparityField> {
     let matcher = DenseMatcher::plan(params, eyes.left.size())?;
-    let views = eyes.as_ref().map(|eye| EyeView {
+    Ok(matcher.estimate(&views(eyes), search)?)
+}
+
+/// The disparity of a pair that nobody rectified, as `dorsal look --rectify auto` has it without a
+/// rig: rows aligned and the range found by the vector pyramid; with the alignment.
+pub(crate) fn self_rectified(
+    params: DenseParams,
+    eyes: &Binocular<Picture>,
+) -> anyhow::Result<(DisparityField, RowAlignment)> {
+    let size = eyes.left.size();
+    let look = DenseLook {
+        params,
+        search: Search::default(),
+        rows: Rows::Aligned,
+    };
+    let bank = FilterBank::plan(GaborParams::default().fitted_to(size), size)
+        .context("level 1 has no bank for these images")?;
+    let eyes = views(eyes);
+    let preparation = look.prepare(&eyes, &bank, MatchParams::default())?;
+    let rows = preparation.rows.context("no rows were aligned")?;
+    Ok((look.look(&eyes, &preparation)?, rows))
+}
+
+fn views(eyes: &Binocular<Picture>) -> Binocular<EyeView<'_>> {
+    eyes.as_ref().map(|eye| EyeView {
         luma: eye.luma(),
         rgb: Some(eye.rgb()),
-    });
-    Ok(matcher.estimate(&views, search)?)
+    })
 }
 
 /// The disparity of a pair by the vector pyramid with these parameters.

@@ -3,12 +3,13 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use clap::Args;
 use disparity_pyramid::{DisparityField, MatchParams};
-use ndarray::{Array2, ArrayView2, Ix2, Zip};
+use ndarray::{Array2, ArrayView2, Ix2};
 use stereo_formats::scene_folder::{self, StereoScene};
 use stereo_formats::{npy, picture};
-use v1_gabor::{Binocular, LumaImage, Size};
+use v1_gabor::{Binocular, LumaImage};
 
 use crate::alteration::Alteration;
+use crate::altered_truth::{self, AlteredTruth};
 use crate::curve_svg;
 use crate::data_folder;
 use crate::date;
@@ -65,9 +66,6 @@ pub(crate) struct Options {
 
 /// Scenes of one set, with slants, steps and weak texture.
 const DEFAULT_SCENES: [&str; 5] = ["tsukuba", "venus", "sawtooth", "barn1", "bull"];
-
-/// How much wider than the untouched truth OpenCV's range is on either side, px.
-const RANGE_MARGIN_PX: f32 = 16.0;
 
 /// Runs the task.
 pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
@@ -196,7 +194,7 @@ impl<'a> Bench<'a> {
     ) -> anyhow::Result<(SceneTrials, Option<String>)> {
         let scratch = tempfile::tempdir().context("no room for altered pictures")?;
         let path = |name: String| scratch.path().join(name);
-        let (least, count) = self.range();
+        let (least, count) = altered_truth::opencv_range(self.truth.view());
         let alterations: Vec<Alteration> = std::iter::once(Alteration::NONE)
             .chain(
                 conditions
@@ -231,7 +229,7 @@ impl<'a> Bench<'a> {
             }
             let eyes = seen.try_map(|grey| LumaImage::new(grey.mapv(|g| f32::from(g) / 255.0)))?;
             let field = vector(&eyes.as_ref(), MatchParams::default())?;
-            let truth = self.truth_of(alteration);
+            let truth = AlteredTruth::of(self.truth.view(), alteration);
             trials.push(self.judge(&field, &truth));
             truths.push(truth);
             advance();
@@ -266,37 +264,6 @@ impl<'a> Bench<'a> {
         Ok((trials, version))
     }
 
-    /// OpenCV's range: the least disparity, and how many, a multiple of 16.
-    fn range(&self) -> (i32, i32) {
-        let known = || self.truth.iter().copied().filter(|d| d.is_finite());
-        let least = (known().fold(f32::INFINITY, f32::min) - RANGE_MARGIN_PX).floor();
-        let most = (known().fold(f32::NEG_INFINITY, f32::max) + RANGE_MARGIN_PX).ceil();
-        let count = ((most - least) / 16.0).ceil() * 16.0;
-        (least as i32, count as i32)
-    }
-
-    /// The truth of an altered pair, both components in the sign of files: left `(x, y)` matches
-    /// `W(x - d, y)`; NaN where that lies outside the right picture.
-    fn truth_of(&self, alteration: &Alteration) -> AlteredTruth {
-        let size = Size::of_dim(self.truth.dim());
-        let warp = alteration.warp(size);
-        let inside = |at: f64, side: usize| 0.0 <= at && at <= (side - 1) as f64;
-        let mut d = Array2::from_elem(self.truth.dim(), f32::NAN);
-        let mut dy = d.clone();
-        Zip::indexed(&mut d)
-            .and(&mut dy)
-            .and(self.truth)
-            .for_each(|(y, x), d, dy, true_d| {
-                let (x, y) = (x as f64, y as f64);
-                let (u, v) = warp.at(x - f64::from(*true_d), y);
-                // An unknown truth is nowhere.
-                if inside(u, size.width) && inside(v, size.height) {
-                    (*d, *dy) = ((x - u) as f32, (v - y) as f32);
-                }
-            });
-        AlteredTruth { d, dy }
-    }
-
     /// Our own errors on an altered pair.
     fn judge(&self, field: &DisparityField, truth: &AlteredTruth) -> Trial {
         let over = |estimate: ArrayView2<'_, f32>, truth: &Array2<f32>| {
@@ -311,14 +278,6 @@ impl<'a> Bench<'a> {
             bm: None,
         }
     }
-}
-
-/// The true disparity of an altered pair, px, NaN unknown or out of view.
-struct AlteredTruth {
-    /// `x_left - x_right`.
-    d: Array2<f32>,
-    /// `y_right - y_left`.
-    dy: Array2<f32>,
 }
 
 impl Options {
@@ -350,37 +309,4 @@ fn command(options: &Options) -> String {
         }
     }
     command
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_truth_is_carried_through_the_warp() {
-        let truth = Array2::from_elem((21, 41), 4.0);
-        let flat = LumaImage::new(Array2::from_elem((21, 41), 0.5)).unwrap();
-        let bench = Bench {
-            eyes: Binocular {
-                left: flat.clone(),
-                right: flat,
-            },
-            truth: &truth,
-            visible: Array2::from_elem((21, 41), true),
-        };
-        let lower = bench.truth_of(&Alteration {
-            down_px: 2.5,
-            ..Alteration::NONE
-        });
-        assert_eq!((lower.d[[5, 20]], lower.dy[[5, 20]]), (4.0, 2.5));
-        assert!(lower.d[[19, 20]].is_nan(), "out of view below");
-        assert!(lower.d[[5, 3]].is_nan(), "out of view to the left");
-        let larger = bench.truth_of(&Alteration {
-            scale_percent: 10.0,
-            ..Alteration::NONE
-        });
-        // The middle is (20, 10); the point that the right eye sees at 26 moves to 26.6.
-        assert!((larger.d[[10, 30]] - 3.4).abs() < 1e-5);
-        assert_eq!(bench.range(), (-12, 32));
-    }
 }

@@ -9,6 +9,7 @@
 
 mod ablation;
 mod alteration;
+mod altered_truth;
 mod bank_pictures;
 mod bench;
 mod bench_page;
@@ -29,12 +30,16 @@ mod data_folder;
 mod dataflow;
 mod date;
 mod dense_results_page;
+mod dense_robustness_marks;
+mod dense_robustness_page;
+mod dense_robustness_run;
 mod depth_run;
 mod docs_folder;
 mod download;
 mod error_picture;
 mod estimator;
 mod eval_calibration;
+mod eval_dense_robustness;
 mod eval_depth;
 mod eval_flow;
 mod eval_middlebury;
@@ -112,6 +117,7 @@ enum Task {
     BankPictures(bank_pictures::Options),
     Bench(bench::Options),
     EvalCalibration(eval_calibration::Options),
+    EvalDenseRobustness(eval_dense_robustness::Options),
     EvalDepth(eval_depth::Options),
     EvalFlow(eval_flow::Options),
     EvalMiddlebury(eval_middlebury::Options),
@@ -140,6 +146,7 @@ fn main() -> ExitCode {
         Task::Bench(options) => bench::run(&options),
         Task::BankPictures(options) => bank_pictures::run(&options),
         Task::EvalCalibration(options) => eval_calibration::run(&options),
+        Task::EvalDenseRobustness(options) => eval_dense_robustness::run(&options),
         Task::EvalDepth(options) => eval_depth::run(&options),
         Task::EvalFlow(options) => eval_flow::run(&options),
         Task::EvalMiddlebury(options) => eval_middlebury::run(&options),

@@ -17,7 +17,9 @@ pub(crate) struct Pair {
     pub(crate) name: String,
     pub(crate) left: PathBuf,
     pub(crate) right: PathBuf,
-    /// Disparities from 0 to one less are searched.
+    /// The least disparity that is searched.
+    pub(crate) least: i32,
+    /// How many from there on, a multiple of 16.
     pub(crate) shifts: usize,
 }
 
@@ -39,13 +41,27 @@ pub(crate) struct Run {
     pub(crate) seconds: BTreeMap<String, f64>,
 }
 
-/// Runs every matcher with every setting on every pair; the results stay in `folder`.
-pub(crate) fn match_pairs(python: &Path, folder: &Path, pairs: &[Pair]) -> anyhow::Result<Runs> {
+/// The setting of SGBM that `compare-opencv` finds best over all scenes, as the script names it.
+pub(crate) const TUNED_SGBM: (&str, &str) = ("SGBM", "block 3, P x 1, cap 63");
+
+/// Runs every matcher with every setting, or `only` this matcher with this setting, on every pair;
+/// the results stay in `folder`.
+pub(crate) fn match_pairs(
+    python: &Path,
+    folder: &Path,
+    pairs: &[Pair],
+    only: Option<(&str, &str)>,
+) -> anyhow::Result<Runs> {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("python/opencv_matchers.py");
     let listed = folder.join("pairs.json");
     std::fs::write(&listed, serde_json::to_vec(pairs)?)
         .with_context(|| format!("{} cannot be written", listed.display()))?;
-    run(Command::new(python).arg(&script).arg(folder))?;
+    let mut command = Command::new(python);
+    command.arg(&script).arg(folder);
+    if let Some((matcher, setting)) = only {
+        command.args([matcher, setting]);
+    }
+    run(&mut command)?;
     let told = folder.join("matchers.json");
     let told = std::fs::read(&told).with_context(|| format!("{}", told.display()))?;
     Ok(serde_json::from_slice(&told)?)

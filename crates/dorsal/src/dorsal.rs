@@ -52,7 +52,7 @@ impl Dorsal {
 
     /// Looks again, written over an earlier percept: the bits of [`look`](Self::look). From the second look
     /// on nothing is planned again, and nothing larger than a page is allocated, with the vector pyramid over
-    /// a range that is given or searched from near, and with
+    /// a range that is given, and with
     /// [`DenseParams::fast`](disparity_pyramid::DenseParams::fast) along rows that correspond.
     ///
     /// # Errors

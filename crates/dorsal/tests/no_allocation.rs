@@ -59,10 +59,8 @@ fn a_later_look_allocates_nothing_large() {
     let found = Search::Found { most_dx: None };
     let given = Search::Given(SearchRange::new(-80, 60).unwrap());
     let (vector, plain) = (Estimator::Vector(Range::Given), MatchParams::default());
-    let near = Estimator::Vector(Range::Auto);
     for (what, frame, estimator, matching) in [
         ("vector", &verged, vector, plain),
-        ("vector from near", &verged, near, plain),
         ("objects", &verged, vector, MatchParams::for_objects()),
         ("whole", &parallel, dense(Rows::AsTaken, found), plain),
         (
