@@ -26,7 +26,7 @@ const COMPETING_COHERENCE: f32 = 0.7;
 /// The vector disparity of a pair of which nothing is known: neither how far its shifts lie from
 /// zero, nor how far apart, nor whether a pattern repeats.
 ///
-/// A coarse look finds the starts ([`CoarseVotes`]): the middle of the votes if five scales reach
+/// A coarse look finds the starts ([`CoarseVotes`](crate::CoarseVotes)): the middle of the votes if five scales reach
 /// them all, else up to six. From each the pyramid is run over no more scales than it takes
 /// ([`estimate`](crate::estimate)), and of the fields [`most_consistent`] takes at each place the one
 /// that both eyes can agree upon. `eyes` should hold all scales that their size allows

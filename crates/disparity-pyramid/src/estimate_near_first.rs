@@ -10,14 +10,14 @@ const ENOUGH: f64 = 0.5;
 
 /// The vector disparity of a pair of whose range little is known: searched first about
 /// [`MatchParams::zero_disparity_px`] with six scales (fewer if `eyes` hold fewer), which reach 48 px,
-/// and only if fewer than half of the pixels are valid from there as [`estimate_from_votes`] does. Of
+/// and only if fewer than half of the pixels are valid from there as [`estimate_from_votes`](crate::estimate_from_votes) does. Of
 /// the two fields the one with more valid pixels is kept.
 ///
-/// Who knows that a pattern repeats, and lies far, should ask [`estimate_from_votes`] at once: from
+/// Who knows that a pattern repeats, and lies far, should ask [`estimate_from_votes`](crate::estimate_from_votes) at once: from
 /// near it may be found valid a period or more away.
 ///
 /// A coarse look takes one to ten times as long as the search itself, and most pairs need none: this
-/// costs them nothing. What [`estimate_from_votes`] asks of `eyes` holds here too.
+/// costs them nothing. What [`estimate_from_votes`](crate::estimate_from_votes) asks of `eyes` holds here too.
 ///
 /// # Errors
 /// [`Mismatch`] as [`estimate`](crate::estimate).

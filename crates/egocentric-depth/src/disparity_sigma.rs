@@ -7,7 +7,7 @@ use crate::neighbours::Neighbours;
 /// errors of real pairs.
 ///
 /// A confidence says which pixels of a pair are better than others, and the roughness of the field
-/// ([`roughness_px`]) how good those of this pair are: sigma is the product of a curve over the
+/// ([`roughness_px`](crate::roughness_px)) how good those of this pair are: sigma is the product of a curve over the
 /// confidence and the roughness, or its cube root. `1.96` of it hold the truth in 95 % of the pixels; errors
 /// have heavier tails than a normal distribution, so `1` of it holds more than 68 %.
 ///
