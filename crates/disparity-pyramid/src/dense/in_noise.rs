@@ -15,8 +15,7 @@ const EDGE_SOFTNESS: f32 = 0.8;
 impl DenseParams {
     /// These for a picture whose noise has this standard deviation, in parts of the whole range.
     ///
-    /// At 5 grey levels the mean of visible bad-1 over seven scenes goes from 7.1 to 5.1 % (`docs/level-2.md`,
-    /// "Noise").
+    /// What each of these gives stands in `docs/level-2.md`, "Noise".
     pub(crate) fn in_noise(self, noise: f32) -> Self {
         Self {
             silent_energy: self
