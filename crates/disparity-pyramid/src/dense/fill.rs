@@ -1,6 +1,7 @@
 use std::ops::Range;
 
 use pulp::{Arch, NullaryFnOnce};
+use rayon::prelude::*;
 
 use crate::dense::partial_field::{PartialField, is_hidden};
 
@@ -23,9 +24,11 @@ pub(crate) struct FillRoom {
     /// What must look around, row by row, and where each row's begin and end.
     missed: Vec<Missed>,
     rows: Vec<Range<usize>>,
-    /// What each of them sees below.
+    /// What each of them sees above and below, and the median of all that.
+    above: Vec<[f32; ONWARD.len()]>,
     below: Vec<[f32; ONWARD.len()]>,
-    onward: Onward,
+    medians: Vec<Option<f32>>,
+    onward: (Onward, Onward),
 }
 
 /// Gives every pixel a shift: a hidden one takes what lies behind it on its row, any other the median
@@ -33,13 +36,15 @@ pub(crate) struct FillRoom {
 /// `otherwise` if nothing at all is known there.
 ///
 /// What a pixel sees in a direction is what its neighbour there is or sees. So one walk up the image
-/// and one down tell every pixel, however far it has to look.
+/// and one down, side by side, tell every pixel, however far it has to look.
 pub(crate) fn fill(field: &mut PartialField, otherwise: f32, room: &mut FillRoom) {
-    let (height, width) = field.dx.dim();
+    let height = field.dx.nrows();
     let FillRoom {
         missed,
         rows,
+        above,
         below,
+        medians,
         onward,
     } = room;
     missed.clear();
@@ -61,29 +66,32 @@ pub(crate) fn fill(field: &mut PartialField, otherwise: f32, room: &mut FillRoom
         rows.push(first..missed.len());
     }
 
-    below.resize(missed.len(), [f32::INFINITY; ONWARD.len()]);
-    onward.begin(width);
-    for (y, row) in rows.iter().enumerate().rev() {
-        for (below, missed) in below[row.clone()].iter_mut().zip(&missed[row.clone()]) {
-            *below = onward.seen_from(missed.x);
-        }
-        onward.pass(field, y);
-    }
-    onward.begin(width);
-    for (y, row) in rows.iter().enumerate() {
-        let below = below[row.clone()].chunks(LANES);
-        for (missed, below) in missed[row.clone()].chunks(LANES).zip(below) {
+    let (down, up) = (&mut *above, &mut *below);
+    let (first, last) = onward;
+    rayon::join(
+        || first.walk(field, (rows.iter().enumerate(), missed), down),
+        || last.walk(field, (rows.iter().enumerate().rev(), missed), up),
+    );
+    medians.clear();
+    medians.resize(missed.len(), None);
+    medians
+        .par_chunks_mut(LANES)
+        .zip(missed.par_chunks(LANES))
+        .zip(above.par_chunks(LANES).zip(below.par_chunks(LANES)))
+        .for_each(|((medians, missed), (above, below))| {
             let mut around = [[f32::INFINITY; DIRECTIONS]; LANES];
-            for (around, (missed, below)) in around.iter_mut().zip(missed.iter().zip(below)) {
+            let seen = missed.iter().zip(above.iter().zip(below));
+            for (around, (missed, (above, below))) in around.iter_mut().zip(seen) {
                 around[..2].copy_from_slice(&missed.beside);
-                around[2..9].copy_from_slice(&onward.seen_from(missed.x));
+                around[2..9].copy_from_slice(above);
                 around[9..].copy_from_slice(below);
             }
-            for (missed, median) in missed.iter().zip(medians(&around)) {
-                field.dx[[y, missed.x]] = median.unwrap_or(otherwise);
-            }
+            medians.copy_from_slice(&medians_of(&around)[..missed.len()]);
+        });
+    for (y, row) in rows.iter().enumerate() {
+        for (missed, median) in missed[row.clone()].iter().zip(&medians[row.clone()]) {
+            field.dx[[y, missed.x]] = median.unwrap_or(otherwise);
         }
-        onward.pass(field, y);
     }
 }
 
@@ -114,6 +122,24 @@ impl Onward {
         for row in rows.chain(std::iter::once(&mut self.spare)) {
             row.clear();
             row.resize(width + 2 * FARTHEST, f32::INFINITY);
+        }
+    }
+
+    /// Walks over all rows in an order, and writes what the pixels to be told see back on the way:
+    /// those of each row are a range of `missed`.
+    fn walk<'a>(
+        &mut self,
+        field: &PartialField,
+        (rows, missed): (impl Iterator<Item = (usize, &'a Range<usize>)>, &[Missed]),
+        seen: &mut Vec<[f32; ONWARD.len()]>,
+    ) {
+        seen.resize(missed.len(), [f32::INFINITY; ONWARD.len()]);
+        self.begin(field.dx.ncols());
+        for (y, row) in rows {
+            for (seen, missed) in seen[row.clone()].iter_mut().zip(&missed[row.clone()]) {
+                *seen = self.seen_from(missed.x);
+            }
+            self.pass(field, y);
         }
     }
 
@@ -175,7 +201,7 @@ impl NullaryFnOnce for Seen<'_> {
 
 /// The median of what each of a few pixels sees, of two in the middle the farther; `None` if it
 /// sees nothing.
-fn medians(around: &[[f32; DIRECTIONS]; LANES]) -> [Option<f32>; LANES] {
+fn medians_of(around: &[[f32; DIRECTIONS]; LANES]) -> [Option<f32>; LANES] {
     let mut counts = [0; LANES];
     let mut sorted = [[f32::INFINITY; LANES]; DIRECTIONS];
     for (lane, around) in around.iter().enumerate() {

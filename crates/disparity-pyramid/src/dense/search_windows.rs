@@ -1,6 +1,7 @@
 use std::ops::Range;
 
 use ndarray::{ArrayView2, s};
+use rayon::prelude::*;
 use v1_gabor::Size;
 
 use crate::SearchRange;
@@ -36,11 +37,10 @@ pub(crate) struct SearchWindows {
     /// How many places the pixels of a row have up to each tile, and altogether.
     starts: Vec<usize>,
     most_places: usize,
-    /// The least and the largest shift that a coarse look has found, tile by tile and, of a few rows
-    /// together, column by column.
+    /// The least and the largest shift that a coarse look has found, tile by tile and, of a row of
+    /// tiles together, column by column.
     spans: Vec<(f32, f32)>,
-    least: Vec<f32>,
-    most: Vec<f32>,
+    extremes: Vec<(f32, f32)>,
 }
 
 impl SearchWindows {
@@ -113,32 +113,28 @@ impl SearchWindows {
             let (first, last) = (tile * side / 2, (tile + 1) * side / 2 + AROUND);
             first.saturating_sub(AROUND).min(end - 1)..last.min(end)
         };
-        self.spans.clear();
-        for tile_y in 0..tiles.height {
-            let (least, most) = (&mut self.least, &mut self.most);
-            least.clear();
-            least.resize(width, f32::INFINITY);
-            most.clear();
-            most.resize(width, f32::NEG_INFINITY);
-            for row in coarse_dx
-                .slice(s![reach(tile_y, TILE.height, height), ..])
-                .rows()
-            {
-                for ((least, most), dx) in least.iter_mut().zip(&mut *most).zip(row) {
-                    *least = if *dx < *least { *dx } else { *least };
-                    *most = if *dx > *most { *dx } else { *most };
+        self.spans.resize(tiles.area(), (0.0, 0.0));
+        self.extremes.resize(tiles.height * width, (0.0, 0.0));
+        self.spans
+            .par_chunks_mut(tiles.width)
+            .zip(self.extremes.par_chunks_mut(width))
+            .enumerate()
+            .for_each(|(tile_y, (spans, extremes))| {
+                extremes.fill((f32::INFINITY, f32::NEG_INFINITY));
+                let rows = reach(tile_y, TILE.height, height);
+                for row in coarse_dx.slice(s![rows, ..]).rows() {
+                    for (extremes, dx) in extremes.iter_mut().zip(row) {
+                        *extremes = both(*extremes, (*dx, *dx));
+                    }
                 }
-            }
-            for tile_x in 0..tiles.width {
-                let columns = reach(tile_x, TILE.width, width);
-                let least = least[columns.clone()].iter().copied();
-                let most = most[columns].iter().copied();
-                self.spans.push((
-                    least.fold(f32::INFINITY, f32::min),
-                    most.fold(f32::NEG_INFINITY, f32::max),
-                ));
-            }
-        }
+                for (tile_x, span) in spans.iter_mut().enumerate() {
+                    let columns = &extremes[reach(tile_x, TILE.width, width)];
+                    let nothing = (f32::INFINITY, f32::NEG_INFINITY);
+                    *span = columns
+                        .iter()
+                        .fold(nothing, |span, column| both(span, *column));
+                }
+            });
     }
 
     /// Tiles to a row.
@@ -146,10 +142,10 @@ impl SearchWindows {
         self.columns
     }
 
-    /// The most places that the pixels of a row have together, in these of its tiles.
-    pub(crate) fn most_in_row(&self, tiles: &Range<usize>) -> usize {
+    /// The most places that the pixels of a row have together.
+    pub(crate) fn most_in_row(&self) -> usize {
         let rows = self.starts.chunks(self.columns + 1);
-        let most = rows.map(|starts| starts[tiles.end] - starts[tiles.start]);
+        let most = rows.map(|starts| starts[self.columns]);
         most.max().unwrap_or(0)
     }
 
@@ -187,7 +183,21 @@ pub(crate) struct Tile {
     pub(crate) start: usize,
 }
 
-impl RowWindows<'_> {
+impl Window {
+    /// How many places it has: `N` vectors, or as many as it says if that is 0.
+    #[inline(always)]
+    pub(crate) const fn places_of<const N: usize>(self) -> usize {
+        if N == 0 { self.places } else { N * LANES }
+    }
+}
+
+impl<'a> RowWindows<'a> {
+    /// The tiles of the row, from the left.
+    #[inline(always)]
+    pub(crate) fn tiles(self) -> impl DoubleEndedIterator<Item = Tile> + use<'a> {
+        (0..self.windows.len()).map(move |tile| self.tile(tile))
+    }
+
     /// A tile of the row.
     #[inline(always)]
     pub(crate) fn tile(&self, tile: usize) -> Tile {
@@ -197,6 +207,15 @@ impl RowWindows<'_> {
             start: self.starts[tile],
         }
     }
+}
+
+/// The least and the largest of two spans.
+#[inline(always)]
+fn both(one: (f32, f32), other: (f32, f32)) -> (f32, f32) {
+    (
+        if other.0 < one.0 { other.0 } else { one.0 },
+        if other.1 > one.1 { other.1 } else { one.1 },
+    )
 }
 
 /// The columns of a tile.

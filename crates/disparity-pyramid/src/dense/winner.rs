@@ -1,4 +1,3 @@
-use crate::dense::aggregate::FIRST_PLACES;
 use crate::dense::pixel_cost::LANES;
 use crate::dense::wide::Wide;
 
@@ -12,6 +11,12 @@ pub(crate) struct Winner {
     /// How much more the best shift that is no neighbour costs.
     pub(crate) margin: u8,
 }
+
+/// The first places of a run.
+pub(crate) const FIRST_PLACES: [u8; LANES] = [
+    0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25,
+    26, 27, 28, 29, 30, 31,
+];
 
 /// What stands at places that are no shifts.
 pub(crate) const NO_SHIFT: u8 = u8::MAX;
