@@ -290,6 +290,14 @@ fn each_ingredient_may_be_missing() {
             ..best
         },
         DenseParams {
+            choice_radius: 0,
+            ..best
+        },
+        DenseParams {
+            acuity: Acuity::CostBank,
+            ..best
+        },
+        DenseParams {
             small_step: 0.0,
             large_step: 0.0,
             ..best

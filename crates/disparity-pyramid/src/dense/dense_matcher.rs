@@ -1,4 +1,4 @@
-use ndarray::{Array2, Zip};
+use ndarray::Array2;
 use v1_gabor::{BadParams, Binocular, FilterBank, GaborParams, LumaImage, Size, WrongSize};
 
 use crate::dense::aggregate::{Ground, Winners, aggregate};
@@ -9,15 +9,18 @@ use crate::dense::dense_workspace::{CoarseLook, DenseWorkspace};
 use crate::dense::eye_view::EyeView;
 use crate::dense::fill::fill;
 use crate::dense::fitted::{fit, numbers};
-use crate::dense::hyperacuity::{Gates, sharpen};
+use crate::dense::heard_codes::sharpen_by_codes;
+use crate::dense::heard_responses::sharpen;
+use crate::dense::hyperacuity::Gates;
 use crate::dense::look_back::look_back;
+use crate::dense::neighbour_planes::{Neighbour, neighbours};
 use crate::dense::partial_field::PartialField;
 use crate::dense::phase_agreement::COST_ORIENTATIONS;
 use crate::dense::pixel_cost::PixelCost;
 use crate::dense::search_range::SearchRange;
-use crate::dense::slanted_cells::fit_surfaces;
+use crate::dense::slanted_cells::{self, fit_surfaces};
 use crate::dense::step_penalty::StepPenalty;
-use crate::dense::surface_choice::choose_surfaces;
+use crate::dense::surface_choice::{self, MEETING_REACH, choose_surfaces};
 use crate::dense::voting::vote;
 use crate::speckles::reject_speckles;
 use crate::{DisparityField, MedianRadius, Validity};
@@ -59,6 +62,9 @@ pub struct DenseMatcher {
     cost_bank: FilterBank,
     /// The banks of hyperacuity that are not the cost's own.
     acuity_banks: Vec<FilterBank>,
+    /// The neighbours that surface cells and the choice of surfaces ask.
+    cells: Vec<Neighbour>,
+    choice: Vec<Neighbour>,
     /// The estimator at half the size that narrows the search.
     coarse: Option<Box<Self>>,
 }
@@ -102,8 +108,13 @@ impl DenseMatcher {
             Some(_) => Some(Box::new(Self::plan(params.coarse(), size.halved())?)),
             None => None,
         };
+        let (cells, choice) = (params.surface_radius, params.choice_radius);
+        let cells = neighbours(cells, slanted_cells::STRIDE, slanted_cells::DISTANCE_PX);
+        let choice = neighbours(choice, params.choice_stride, surface_choice::DISTANCE_PX);
         Ok(Self {
             coarse,
+            cells,
+            choice,
             params,
             size,
             cost_bank: plan(bank(COST_ORIENTATIONS, 1.5, 3))?,
@@ -167,43 +178,48 @@ impl DenseMatcher {
             guides,
             margin,
             ranges,
+            agreement,
             acuity,
             coherence,
+            planes,
+            moved,
             ..
         } = workspace;
         let ranges = ranges.of(field.dx.view());
-        let banks: &[FilterBank] = match self.params.acuity {
-            Acuity::Parabola => &[],
-            Acuity::CostBank => std::slice::from_ref(&self.cost_bank),
-            Acuity::TwoBanks => &self.acuity_banks,
-        };
         fit(coherence, self.size, 0.0);
-        if banks.is_empty() {
-            coherence.fill(0.0);
-        } else {
-            let gates = Gates {
-                ranges,
-                validity: field.validity.view(),
-            };
-            let room = (&mut *coherence, acuity);
-            sharpen(&mut field.dx, banks, lumas, gates, room)?;
+        let gates = Gates {
+            ranges,
+            validity: field.validity.view(),
+        };
+        let dx = &mut field.dx;
+        match (self.params.acuity, self.params.cost) {
+            (Acuity::Parabola, _) => coherence.fill(0.0),
+            (Acuity::CostBank, Cost::PhaseAgreement) => {
+                let waves = self.cost_bank.params().wave_vectors();
+                sharpen_by_codes(dx, agreement, &waves, gates, coherence);
+            }
+            (Acuity::CostBank, Cost::PhaseQuadrants) => {
+                let bank = std::slice::from_ref(&self.cost_bank);
+                sharpen(dx, bank, lumas, gates, (coherence, acuity))?;
+            }
+            (Acuity::TwoBanks, _) => {
+                sharpen(dx, &self.acuity_banks, lumas, gates, (coherence, acuity))?;
+            }
         }
+        let choice = self.params.choice_radius > 0;
         let surfaces = self.params.surface_radius > 0;
-        let mut moved = surfaces.then(|| {
-            let trust = trust(&field.validity, coherence);
-            let radius = self.params.surface_radius;
-            fit_surfaces(&mut field.dx, trust.view(), &guides.left, radius)
-        });
-        if self.params.choice_radius > 0 {
-            let moved = moved.get_or_insert_with(|| Array2::zeros(self.size.dim()));
-            choose_surfaces(
-                (&mut field.dx, moved),
-                field.validity.view(),
-                ranges,
-                &guides.left,
-                search,
-                self.params.choice_radius,
-            );
+        if surfaces || choice {
+            planes.take_in(&guides.left, &field.validity, coherence, self.border());
+            fit(moved, self.size, 0.0);
+            moved.fill(0.0);
+        }
+        if surfaces {
+            planes.take_shifts(field.dx.view());
+            fit_surfaces(&mut field.dx, planes, &self.cells, moved);
+        }
+        if choice {
+            planes.take_shifts(field.dx.view());
+            choose_surfaces(&mut field.dx, planes, &self.choice, ranges, moved);
         }
         fit(&mut field.confidence, self.size, 0.0);
         let evidence = Evidence {
@@ -211,7 +227,7 @@ impl DenseMatcher {
             coherence: coherence.view(),
             margin: margin.view(),
             range: ranges,
-            moved: moved.as_ref().map(|moved| moved.view()),
+            moved: (surfaces || choice).then(|| moved.view()),
         };
         confidence(evidence, &mut field.confidence);
         fit(&mut field.dy, self.size, 0.0);
@@ -262,6 +278,12 @@ impl DenseMatcher {
         self.judge(dx, workspace, search, validity);
         self.complete((dx, validity), workspace, search);
         Ok(())
+    }
+
+    /// How far from a pixel its neighbours lie at most, in pixels.
+    fn border(&self) -> usize {
+        let asked = self.params.surface_radius.max(self.params.choice_radius);
+        asked.max(MEETING_REACH)
     }
 
     fn check(&self, eyes: &Binocular<EyeView<'_>>) -> Result<(), WrongView> {
@@ -367,6 +389,10 @@ impl DenseMatcher {
             other_dx: None,
         };
         aggregate(ground, search, paths, winners);
+        if self.params.acuity == Acuity::CostBank {
+            // Its phases are asked from the left eye's pixels.
+            cost.change_eyes();
+        }
         for mut row in other_dx.rows_mut() {
             row.as_slice_mut().unwrap_or_default().reverse();
         }
@@ -417,18 +443,6 @@ impl DenseMatcher {
         }
         (*dx, *validity, workspace.known) = (field.dx, field.validity, field.known);
     }
-}
-
-/// How much a shift counts where surfaces are fitted.
-fn trust(validity: &Array2<Validity>, coherence: &Array2<f32>) -> Array2<f32> {
-    /// How much a filled shift counts, against one that is an answer without any coherence.
-    const FILLED: f32 = 0.2;
-    Zip::from(validity)
-        .and(coherence)
-        .map_collect(|validity, coherence| {
-            let found = if validity.is_valid() { 1.0 } else { FILLED };
-            found * (0.5 + 0.5 * coherence.clamp(0.0, 1.0))
-        })
 }
 
 impl From<WrongSize> for WrongView {

@@ -51,6 +51,9 @@ pub struct DenseParams {
     /// them a pixel is on; 0 leaves depth edges where the filters see them, which is a little beyond the
     /// end of what has more contrast.
     pub choice_radius: usize,
+    /// Every so many pixels of that neighbourhood, along rows and columns, one is asked: 2 takes a quarter
+    /// of the time that 1 does.
+    pub choice_stride: usize,
 }
 
 /// What is compared at a pixel and a shift.
@@ -77,7 +80,8 @@ pub enum LookBack {
 pub enum Acuity {
     /// None: the parabola through the three best costs stands.
     Parabola,
-    /// The responses that the cost is made of, four orientations of 7 taps.
+    /// The responses that the cost is made of, four orientations of 7 taps: as they are coded for it by
+    /// [`Cost::PhaseAgreement`].
     CostBank,
     /// Two banks of eight orientations, of 7 and of 11 taps.
     TwoBanks,
@@ -104,27 +108,29 @@ impl DenseParams {
             acuity: Acuity::TwoBanks,
             surface_radius: 13,
             choice_radius: 9,
+            choice_stride: 1,
         }
     }
 
-    /// For robots: one aggregation for both eyes, one bank for hyperacuity, grey guides, neither votes
-    /// nor surface cells nor a choice of surfaces.
+    /// For robots: one aggregation for both eyes, the cost's own bank for hyperacuity, grey guides, no
+    /// votes, small surface cells, and few neighbours that choose surfaces.
     #[must_use]
     pub const fn fast() -> Self {
         Self {
-            silent_energy: 1e-6,
+            silent_energy: 5e-7,
             colour: false,
             narrow_px: Some(4),
             small_step: 1.2,
-            large_step: 6.4,
-            edge_softness: 0.03,
+            large_step: 10.0,
+            edge_softness: 0.02,
             noisy: 1.0,
             look_back: LookBack::SamePaths,
             least_patch: 60,
             votes: 0,
             acuity: Acuity::CostBank,
-            surface_radius: 0,
-            choice_radius: 0,
+            surface_radius: 3,
+            choice_radius: 6,
+            choice_stride: 2,
             ..Self::best()
         }
     }
@@ -216,6 +222,13 @@ impl DenseParams {
             0.0,
             64.0,
             "from 0 to 64",
+        )?;
+        within(
+            "choice_stride",
+            self.choice_stride as f32,
+            1.0,
+            64.0,
+            "from 1 to 64",
         )
     }
 }

@@ -6,8 +6,9 @@ use crate::dense::aggregate::PathRoom;
 use crate::dense::bank_rows::BankRows;
 use crate::dense::fill::FillRoom;
 use crate::dense::guide::Guide;
-use crate::dense::hyperacuity::AcuityRoom;
+use crate::dense::heard_responses::AcuityRoom;
 use crate::dense::local_range::LocalRange;
+use crate::dense::neighbour_planes::NeighbourPlanes;
 use crate::dense::phase_agreement::PhaseAgreement;
 use crate::dense::phase_quadrants::PhaseQuadrants;
 use crate::dense::search_windows::SearchWindows;
@@ -17,7 +18,7 @@ use crate::speckles::Patches;
 /// Buffers that [`DenseMatcher::estimate_into`](crate::DenseMatcher::estimate_into) works in, kept from
 /// one pair to the next: once they have grown, [`DenseParams::fast`](crate::DenseParams::fast) allocates
 /// nothing large for the next pair of that size and range. (Where a coarse look narrows the search, a
-/// pair that needs a wider one somewhere makes them grow once more.) Votes and surface cells, which only
+/// pair that needs a wider one somewhere makes them grow once more.) Votes, which only
 /// [`DenseParams::best`](crate::DenseParams::best) has, allocate what they need every time.
 ///
 /// What they hold between two pairs means nothing; a workspace may go from one matcher to another.
@@ -41,6 +42,8 @@ pub struct DenseWorkspace {
     pub(crate) ranges: LocalRange,
     pub(crate) acuity: Vec<AcuityRoom>,
     pub(crate) coherence: Array2<f32>,
+    pub(crate) planes: NeighbourPlanes,
+    pub(crate) moved: Array2<f32>,
 }
 
 /// A look at half the size: what it works in and what it finds.

@@ -17,7 +17,7 @@ pub(crate) const COST_ORIENTATIONS: usize = 4;
 const PARTS: usize = 2 * COST_ORIENTATIONS;
 
 /// What is added to a part so that it has no sign: more than any part.
-const BIAS: u8 = 90;
+pub(crate) const BIAS: u8 = 90;
 
 /// Where the sum of the products of two pixels' parts is cut off: the rest is the cost.
 const CUT: f32 = 1024.0;
@@ -95,14 +95,14 @@ impl PixelCost for PhaseAgreement {
 }
 
 /// The parts of one eye along a row, by orientation: even and odd, and [`BIAS`] more.
-type RowParts<'a> = [&'a [[u8; 2]]; COST_ORIENTATIONS];
+pub(crate) type RowParts<'a> = [&'a [[u8; 2]]; COST_ORIENTATIONS];
 
 /// Both eyes' parts along one row, orientation by orientation.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AgreementRow<'a> {
-    left: RowParts<'a>,
-    right: RowParts<'a>,
-    padding: Padding,
+    pub(crate) left: RowParts<'a>,
+    pub(crate) right: RowParts<'a>,
+    pub(crate) padding: Padding,
     most: i16,
 }
 

@@ -1,78 +1,47 @@
-use ndarray::{Array2, ArrayView2, Axis};
+use ndarray::{Array2, Axis};
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
-use crate::dense::guide::Guide;
-
-/// Pixels that are fitted side by side.
-const LANES: usize = 16;
+use crate::dense::neighbour_planes::{LANES, Lanes, Neighbour, NeighbourPlanes, faded, lanes};
 
 /// Every so many pixels, along rows and columns, a neighbour is asked: a quarter of the time, and
 /// neighbours know little that theirs do not.
-const STRIDE: usize = 2;
+pub(crate) const STRIDE: usize = 2;
 
-/// Colour difference, in parts of the whole range, at which a neighbour counts a third.
-const COLOUR: f32 = 0.08;
+/// Colour difference, in steps of 8 bits, at which a neighbour counts a third.
+const COLOUR: f32 = 0.08 * 255.0;
 
 /// Standard deviation of the weight by distance, in pixels.
-const DISTANCE_PX: f32 = 6.5;
+pub(crate) const DISTANCE_PX: f32 = 6.5;
 
 /// How far a neighbour's shift may lie from the pixel's own at no distance, in pixels, and how much
 /// of that is added for each pixel of distance: what a slanted surface does.
 const NEAR_PX: f32 = 0.7;
 const SLANT: f32 = 0.15;
 
-/// Residual at which a neighbour counts half in the second fit, in pixels.
-const RESIDUAL_PX: f32 = 0.3;
-
 /// Weight of no slant against the neighbours' word, so that a fit to a line or a point has a
 /// solution.
 const RIDGE: f32 = 1e-3;
 
+/// Trusts and weights that sum up to less than this say nothing.
+const LEAST_SUM: f32 = 1e-6;
+
 /// The most that a fit may move a shift, in pixels.
 const MOST_STEP_PX: f32 = 1.4;
 
-/// Replaces each shift by that of the slanted plane that fits best to the neighbours on its surface,
-/// within `radius` pixels: near in place, colour and shift, each with its own `trust`. One fit, one
-/// more with the residuals' weights. Returns how far each pixel moved, in pixels.
+/// Replaces each shift by that of the slanted plane that fits best to the neighbours on its surface:
+/// near in place, colour and shift, each as far as it is trusted. `planes` hold the shifts as they are;
+/// `moved` gets how far each pixel moved, in pixels.
+///
+/// One fit: a second one with weights by the residuals takes as long again, and what it changes is a
+/// hundredth of the mean error.
 pub(crate) fn fit_surfaces(
     dx: &mut Array2<f32>,
-    trust: ArrayView2<'_, f32>,
-    guide: &Guide,
-    radius: usize,
-) -> Array2<f32> {
-    let (height, width) = dx.dim();
-    let stride = width.next_multiple_of(LANES) + 2 * radius;
-    let pad = |value: &dyn Fn(usize, usize) -> f32| {
-        let mut padded = vec![0.0; stride * (height + 2 * radius)];
-        for (y, row) in padded
-            .chunks_mut(stride)
-            .skip(radius)
-            .take(height)
-            .enumerate()
-        {
-            for x in 0..width {
-                row[radius + x] = value(x, y);
-            }
-        }
-        padded
-    };
-    let channels: Vec<&[u8]> = (0..guide.channels())
-        .map(|channel| guide.plane(channel))
-        .collect();
-    let planes = Planes {
-        stride,
-        radius,
-        dx: pad(&|x, y| dx[[y, x]]),
-        // Nothing lies outside the image, so nobody trusts it.
-        trust: pad(&|x, y| trust[[y, x]]),
-        channels: channels
-            .iter()
-            .map(|plane| pad(&|x, y| f32::from(plane[y * width + x]) / (255.0 * COLOUR)))
-            .collect(),
-    };
-    let weights = distance_weights(radius);
-    let mut moved = Array2::zeros((height, width));
+    planes: &NeighbourPlanes,
+    neighbours: &[Neighbour],
+    moved: &mut Array2<f32>,
+) {
+    let width = dx.ncols();
     dx.axis_iter_mut(Axis(0))
         .into_par_iter()
         .zip(moved.axis_iter_mut(Axis(0)).into_par_iter())
@@ -80,140 +49,69 @@ pub(crate) fn fit_surfaces(
         .for_each(|(y, (mut dx, mut moved))| {
             for start in (0..width).step_by(LANES) {
                 let fitted = Arch::new().dispatch(Cells {
-                    planes: &planes,
-                    distances: &weights,
-                    start,
-                    y,
+                    planes,
+                    neighbours,
+                    place: planes.place(start, y),
                 });
                 let end = (start + LANES).min(width);
                 for (x, fitted) in (start..end).zip(fitted) {
                     let step = fitted - dx[x];
-                    if step.abs() < MOST_STEP_PX {
-                        dx[x] = fitted;
-                        moved[x] = step.abs();
-                    }
+                    let takes = step.abs() < MOST_STEP_PX;
+                    moved[x] = if takes { step.abs() } else { 0.0 };
+                    dx[x] = if takes { fitted } else { dx[x] };
                 }
             }
         });
-    moved
 }
 
-/// Planes with a border of `radius` pixels.
-struct Planes {
-    stride: usize,
-    radius: usize,
-    dx: Vec<f32>,
-    trust: Vec<f32>,
-    /// The guide in units of [`COLOUR`].
-    channels: Vec<Vec<f32>>,
-}
-
-/// The weights of the neighbours by their distance, row by row.
-fn distance_weights(radius: usize) -> Vec<f32> {
-    let side = 2 * radius + 1;
-    let weight = |place: usize| {
-        let (y, x) = (place / side, place % side);
-        let square = (x.abs_diff(radius).pow(2) + y.abs_diff(radius).pow(2)) as f32;
-        (-square / (2.0 * DISTANCE_PX * DISTANCE_PX)).exp()
-    };
-    (0..side * side).map(weight).collect()
-}
-
-type Lanes = [f32; LANES];
-
-/// A few neighbouring pixels of one row and their surface cells.
+/// A few neighbouring pixels of one row, from a place on, and their surface cells.
 struct Cells<'a> {
-    planes: &'a Planes,
-    distances: &'a [f32],
-    start: usize,
-    y: usize,
-}
-
-/// A plane `a + b u + c v` for each pixel, `(u, v)` counted from it.
-#[derive(Clone, Copy)]
-struct Plane {
-    a: Lanes,
-    b: Lanes,
-    c: Lanes,
+    planes: &'a NeighbourPlanes,
+    neighbours: &'a [Neighbour],
+    place: usize,
 }
 
 impl NullaryFnOnce for Cells<'_> {
     type Output = Lanes;
 
+    /// The shifts of the planes `a + b u + c v` at the pixels themselves, `(u, v)` counted from each.
     #[inline(always)]
     fn call(self) -> Lanes {
-        let own = self.own();
-        let first = self.fit::<false>(Plane {
-            a: own,
-            b: [0.0; LANES],
-            c: [0.0; LANES],
-        });
-        self.fit::<true>(first).a
-    }
-}
-
-impl Cells<'_> {
-    #[inline(always)]
-    fn own(&self) -> Lanes {
-        let Planes { stride, radius, .. } = *self.planes;
-        let centre = (self.y + radius) * stride + self.start + radius;
-        load(&self.planes.dx, centre)
-    }
-
-    /// One weighted fit; with `ROBUST` by the residuals from `plane` too.
-    #[inline(always)]
-    fn fit<const ROBUST: bool>(&self, plane: Plane) -> Plane {
-        let Planes { stride, radius, .. } = *self.planes;
-        let side = 2 * radius + 1;
-        let corner = self.y * stride + self.start;
-        let own = self.own();
-        let centre = corner + radius * stride + radius;
+        let Self {
+            planes,
+            neighbours,
+            place,
+        } = self;
+        let own = lanes(&planes.dx, place);
         let zero = [0.0f32; LANES];
         // Sums of w, w u, w v, w u u, w u v, w v v, w d, w d u, w d v, with d from the own shift.
         let (mut s, mut su, mut sv) = (zero, zero, zero);
         let (mut suu, mut suv, mut svv) = (zero, zero, zero);
         let (mut sd, mut sdu, mut sdv) = (zero, zero, zero);
-        for row in (radius % STRIDE..side).step_by(STRIDE) {
-            for column in (radius % STRIDE..side).step_by(STRIDE) {
-                let there = corner + row * stride + column;
-                let (u, v) = (column as f32 - radius as f32, row as f32 - radius as f32);
-                let reach = NEAR_PX * (1.0 + SLANT * u.abs().max(v.abs()));
-                let distance = self.distances[row * side + column];
-                let mut colour = zero;
-                for channel in &self.planes.channels {
-                    let (here, there) = (load(channel, centre), load(channel, there));
-                    for i in 0..LANES {
-                        colour[i] = colour[i].max((here[i] - there[i]).abs());
-                    }
-                }
-                let dx = load(&self.planes.dx, there);
-                let trust = load(&self.planes.trust, there);
-                for i in 0..LANES {
-                    let d = dx[i] - own[i];
-                    let mut weight = distance * trust[i] * faded(colour[i]);
-                    if ROBUST {
-                        let residual = dx[i] - (plane.a[i] + plane.b[i] * u + plane.c[i] * v);
-                        let ratio = residual * (1.0 / RESIDUAL_PX);
-                        weight /= 1.0 + ratio * ratio;
-                    }
-                    let weight = if d.abs() < reach { weight } else { 0.0 };
-                    s[i] += weight;
-                    su[i] += weight * u;
-                    sv[i] += weight * v;
-                    suu[i] += weight * (u * u);
-                    suv[i] += weight * (u * v);
-                    svv[i] += weight * (v * v);
-                    sd[i] += weight * d;
-                    sdu[i] += weight * d * u;
-                    sdv[i] += weight * d * v;
-                }
+        for neighbour in neighbours {
+            let away = neighbour.v * planes.stride().cast_signed() + neighbour.u;
+            let there = place.wrapping_add_signed(away);
+            let (u, v) = (neighbour.u as f32, neighbour.v as f32);
+            let reach = NEAR_PX * (1.0 + SLANT * u.abs().max(v.abs()));
+            let colours = planes.colour_steps(place, there);
+            let dx = lanes(&planes.dx, there);
+            let trust = lanes(&planes.trust, there);
+            for i in 0..LANES {
+                let d = dx[i] - own[i];
+                let weight = neighbour.weight * trust[i] * faded(colours[i] * (1.0 / COLOUR));
+                let weight = if d.abs() < reach { weight } else { 0.0 };
+                s[i] += weight;
+                su[i] += weight * u;
+                sv[i] += weight * v;
+                suu[i] += weight * (u * u);
+                suv[i] += weight * (u * v);
+                svv[i] += weight * (v * v);
+                sd[i] += weight * d;
+                sdu[i] += weight * d * u;
+                sdv[i] += weight * d * v;
             }
         }
-        let mut fitted = Plane {
-            a: zero,
-            b: zero,
-            c: zero,
-        };
+        let mut fitted = zero;
         for i in 0..LANES {
             // Eliminate a, then solve two by two about the weighted mean.
             let total = s[i].max(f32::MIN_POSITIVE);
@@ -229,42 +127,120 @@ impl Cells<'_> {
             let c = (cdv * cuu - cdu * cuv) / determinant;
             let a = own[i] + md - b * mu - c * mv;
             // Where nobody is trusted there is no plane.
-            let found = s[i] > 1e-6;
-            fitted.a[i] = if found { a } else { own[i] };
-            fitted.b[i] = if found { b } else { 0.0 };
-            fitted.c[i] = if found { c } else { 0.0 };
+            fitted[i] = if s[i] > LEAST_SUM { a } else { own[i] };
         }
         fitted
     }
 }
 
-#[inline(always)]
-fn load(plane: &[f32], start: usize) -> Lanes {
-    let mut lanes = [0.0; LANES];
-    lanes.copy_from_slice(&plane[start..start + LANES]);
-    lanes
-}
-
-/// `exp(-t)` for `t >= 0` to 0.02, without a call: `(1 - t / 16)^16`.
-#[inline(always)]
-fn faded(t: f32) -> f32 {
-    let base = (1.0 - t * (1.0 / 16.0)).max(0.0);
-    let square = base * base;
-    let fourth = square * square;
-    let eighth = fourth * fourth;
-    eighth * eighth
-}
-
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
+    use v1_gabor::LumaImage;
 
     use super::*;
+    use crate::Validity;
+    use crate::dense::eye_view::EyeView;
+    use crate::dense::guide::Guide;
+    use crate::dense::neighbour_planes::neighbours;
+
+    const RADIUS: usize = 5;
+
+    /// What the fit makes of shifts that are all answers.
+    fn fitted(dx: &Array2<f32>, luma: &Array2<f32>) -> (Array2<f32>, Array2<f32>) {
+        let luma = LumaImage::new(luma.clone()).unwrap();
+        let mut guide = Guide::default();
+        guide.take_in(&EyeView::grey(&luma), false, 1.0);
+        let validity = Array2::from_elem(dx.dim(), Validity::Valid);
+        let mut planes = NeighbourPlanes::default();
+        planes.take_in(&guide, &validity, &Array2::ones(dx.dim()), RADIUS);
+        planes.take_shifts(dx.view());
+        let around = neighbours(RADIUS, STRIDE, DISTANCE_PX);
+        let (mut found, mut moved) = (dx.clone(), Array2::zeros(dx.dim()));
+        fit_surfaces(&mut found, &planes, &around, &mut moved);
+        (found, moved)
+    }
+
+    /// The twin: one pixel's normal equations in double precision, by a library's solver.
+    fn plainly(dx: &Array2<f32>, luma: &Array2<f32>, (x, y): (usize, usize)) -> f64 {
+        let (height, width) = dx.dim();
+        let own = f64::from(dx[[y, x]]);
+        let grey = |y: usize, x: usize| (f64::from(luma[[y, x]]) * 255.0).round();
+        let (mut total, mut sums) = (0.0, [[0.0; 4]; 3]);
+        for there_y in y.saturating_sub(4)..(y + 5).min(height) {
+            for there_x in x.saturating_sub(4)..(x + 5).min(width) {
+                let (u, v) = (there_x as f64 - x as f64, there_y as f64 - y as f64);
+                if u % 2.0 != 0.0 || v % 2.0 != 0.0 {
+                    continue;
+                }
+                let d = f64::from(dx[[there_y, there_x]]) - own;
+                if d.abs() >= 0.7 * (1.0 + 0.15 * u.abs().max(v.abs())) {
+                    continue;
+                }
+                let colour = (grey(y, x) - grey(there_y, there_x)).abs() / (0.08 * 255.0);
+                let weight = (-(u * u + v * v) / (2.0 * 6.5 * 6.5)).exp()
+                    * (1.0 - colour / 16.0).max(0.0).powi(16);
+                total += weight;
+                let row = [1.0, u, v, d];
+                for i in 0..3 {
+                    for j in 0..4 {
+                        sums[i][j] += weight * row[i] * row[j];
+                    }
+                }
+            }
+        }
+        let about = |i: usize, j: usize| sums[i][j] - sums[0][i] * sums[0][j] / total;
+        let ridge = |i: usize| about(i, i) + 1e-3 * total;
+        let determinant = ridge(1) * ridge(2) - about(1, 2) * about(1, 2);
+        let b = (about(1, 3) * ridge(2) - about(2, 3) * about(1, 2)) / determinant;
+        let c = (about(2, 3) * ridge(1) - about(1, 3) * about(1, 2)) / determinant;
+        own + (sums[0][3] - b * sums[0][1] - c * sums[0][2]) / total
+    }
 
     proptest! {
+        /// Side by side and one by one pixels get the same planes.
         #[test]
-        fn fading_is_nearly_exponential(t in 0.0f32..40.0) {
-            prop_assert!((faded(t) - (-t).exp()).abs() < 0.02);
+        fn fast_and_plain_agree(width in 1usize..40, height in 1usize..20, seed: u64) {
+            let mut state = seed | 1;
+            let mut random = |below: u64| {
+                state ^= state << 13;
+                state ^= state >> 7;
+                state ^= state << 17;
+                (state >> 20) % below
+            };
+            let dx = Array2::from_shape_fn((height, width), |(y, x)| {
+                let surface = if x + y < 20 { -3.0 } else { -8.0 };
+                surface + 0.1 * x as f32 + random(10) as f32 / 20.0
+            });
+            let luma = Array2::from_shape_simple_fn((height, width), || random(30) as f32 / 255.0);
+            let (found, moved) = fitted(&dx, &luma);
+            for ((y, x), found) in found.indexed_iter() {
+                let plain = plainly(&dx, &luma, (x, y));
+                let own = f64::from(dx[[y, x]]);
+                let step = (plain - own).abs();
+                prop_assert!(step < f64::from(MOST_STEP_PX), "a plane among what is near");
+                // Single precision, and sums of products.
+                prop_assert!((f64::from(*found) - plain).abs() < 1e-3, "{found}, {plain}");
+                prop_assert!((f64::from(moved[[y, x]]) - step).abs() < 1e-3);
+            }
         }
+    }
+
+    /// A plane stays as it is, and noise on it becomes less.
+    #[test]
+    fn planes_stay_planes() {
+        let plane =
+            Array2::from_shape_fn((30, 50), |(y, x)| -12.0 + 0.08 * x as f32 - 0.05 * y as f32);
+        let luma = Array2::from_elem((30, 50), 0.5);
+        let (found, _) = fitted(&plane, &luma);
+        for (found, own) in found.iter().zip(&plane) {
+            // The ridge pulls a slant at the image's rim to none, by less than a thousandth.
+            assert!((found - own).abs() < 2e-3, "{found}, {own}");
+        }
+        let noise = |(y, x): (usize, usize)| 0.3 * ((13 * x + 7 * y * y) as f32).sin();
+        let noisy = Array2::from_shape_fn((30, 50), |at| plane[at] + noise(at));
+        let (found, _) = fitted(&noisy, &luma);
+        let error = |dx: &Array2<f32>| (dx - &plane).mapv(|e| e * e).mean().unwrap();
+        assert!(error(&found) < 0.3 * error(&noisy));
     }
 }
