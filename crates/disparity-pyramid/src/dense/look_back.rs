@@ -44,14 +44,18 @@ pub(crate) fn look_back(
 fn judge_row(verdicts: &mut [Validity], dx: &[f32], other_dx: &[f32], tolerance_px: f32) -> bool {
     let mut some = false;
     for (x, (verdict, &dx)) in verdicts.iter_mut().zip(dx).enumerate() {
-        *verdict = match other_dx.get(place(x as f32 + dx)) {
-            None => Validity::OutOfView,
-            Some(other_dx) if (dx - other_dx).abs() <= tolerance_px => Validity::Valid,
-            Some(_) => {
-                some = true;
-                Validity::Occluded
-            }
+        let seen = place(x as f32 + dx);
+        let in_view = seen < other_dx.len();
+        // Asked of every pixel, so that nothing hangs on a guess of what the last one was.
+        let other_dx = other_dx[if in_view { seen } else { 0 }];
+        let agrees = (dx - other_dx).abs() <= tolerance_px;
+        some |= in_view & !agrees;
+        let there = if agrees {
+            Validity::Valid
+        } else {
+            Validity::Occluded
         };
+        *verdict = if in_view { there } else { Validity::OutOfView };
     }
     some
 }
@@ -59,27 +63,75 @@ fn judge_row(verdicts: &mut [Validity], dx: &[f32], other_dx: &[f32], tolerance_
 /// Which pixels of a row some pixel of the other eye says it sees.
 fn claim(other_dx: &[f32], search: SearchRange, claimed: &mut Vec<bool>) {
     let (least, most) = (search.least_dx() as f32, search.most_dx() as f32);
+    let width = other_dx.len();
     claimed.clear();
-    claimed.resize(other_dx.len(), false);
+    // The last is claimed by those that see nothing of the row.
+    claimed.resize(width + 1, false);
     for (seen, dx) in other_dx.iter().enumerate() {
-        // An eye that says nothing, NaN, claims nothing: no comparison below holds.
-        let from = seen as f32 - dx;
+        let seen = seen as f32;
+        let from = seen - dx;
         let x = nearest(from);
-        let mut mark = |x: f32| {
-            let shift = seen as f32 - x;
-            if least <= shift
-                && shift <= most
-                && let Some(claimed) = claimed.get_mut(place(x))
-            {
-                *claimed = true;
-            }
+        // Halfway between two pixels both are seen, elsewhere one twice.
+        let beyond = from - x;
+        let second = if beyond.abs() > 1.0 - AGREES_PX {
+            x + beyond.signum()
+        } else {
+            x
         };
-        mark(x);
-        // Halfway between two pixels both are seen.
-        if from - x > 1.0 - AGREES_PX {
-            mark(x + 1.0);
-        } else if x - from > 1.0 - AGREES_PX {
-            mark(x - 1.0);
+        for x in [x, second] {
+            let shift = seen - x;
+            // An eye that says nothing, NaN, claims nothing: no comparison holds.
+            let searched = (least <= shift) & (shift <= most);
+            claimed[if searched { place(x).min(width) } else { width }] = true;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        /// Claims from the other eye's side are what each missed pixel finds if it tries every shift.
+        #[test]
+        fn claims_and_trials_agree(
+            width in 1usize..40, least in -20i32..5, more in 0i32..20, tolerance_px in 0.0f32..2.0, seed: u64,
+        ) {
+            let search = SearchRange::new(least, least + more).unwrap();
+            let mut state = seed | 1;
+            let mut random = || {
+                state ^= state << 13;
+                state ^= state >> 7;
+                state ^= state << 17;
+                least as f32 - 0.5 + (state >> 20) as f32 % (8.0 * (more as f32 + 1.0)) / 8.0
+            };
+            let dx = Array2::from_shape_simple_fn((1, width), &mut random);
+            let other_dx = Array2::from_shape_simple_fn((1, width), || {
+                let dx = random();
+                if dx > least as f32 + 8.0 { f32::NAN } else { dx }
+            });
+            let mut verdicts = Array2::from_elem((1, width), Validity::NoEnergy);
+            look_back(dx.view(), other_dx.view(), tolerance_px, search, &mut verdicts);
+            for (x, verdict) in verdicts.iter().enumerate() {
+                let dx = dx[[0, x]];
+                let there = |dx: i32| {
+                    let seen = usize::try_from(x as i32 + dx).ok()?;
+                    other_dx.get([0, seen]).copied()
+                };
+                // Halves are rounded as the machine does.
+                let seen = there((x as f32 + dx).round_ties_even() as i32 - x as i32);
+                let claimed = (least..=least + more)
+                    .any(|dx| there(dx).is_some_and(|other| (other - dx as f32).abs() < AGREES_PX));
+                let want = match seen {
+                    None => Validity::OutOfView,
+                    Some(other) if (dx - other).abs() <= tolerance_px => Validity::Valid,
+                    Some(_) if claimed => Validity::Inconsistent,
+                    Some(_) => Validity::Occluded,
+                };
+                prop_assert_eq!(*verdict, want, "at {}", x);
+            }
         }
     }
 }

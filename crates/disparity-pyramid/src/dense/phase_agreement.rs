@@ -113,67 +113,52 @@ impl RowCost for AgreementRow<'_> {
         let first = self.padding.first(x) + first;
         let run = first..first + costs.len();
         let [a, b, c, d] = self.left;
-        let own = [a[place], b[place], c[place], d[place]];
-        // The products with the bias of the other eye's parts are the same for all shifts.
-        let mut biased = 0i16;
-        for [even, odd] in own {
-            biased += i16::from(even) + i16::from(odd) - 2 * i16::from(BIAS);
-        }
-        let base = self.most.wrapping_add(i16::from(BIAS).wrapping_mul(biased));
-        let left = Left {
-            base: wide.splat_word(base),
-            pairs: [
-                splat_without_bias(wide, own[0]),
-                splat_without_bias(wide, own[1]),
-                splat_without_bias(wide, own[2]),
-                splat_without_bias(wide, own[3]),
-            ],
-        };
+        let left = Left::of(wide, [a[place], b[place], c[place], d[place]], self.most);
         let [a, b, c, d] = self.right;
-        let (a, b, c, d) = (
-            blocks(a, &run),
-            blocks(b, &run),
-            blocks(c, &run),
-            blocks(d, &run),
-        );
+        let (a, b) = (blocks(a, &run), blocks(b, &run));
+        let (c, d) = (blocks(c, &run), blocks(d, &run));
         let runs = a.iter().zip(b).zip(c.iter().zip(d));
         for (costs, ((a, b), (c, d))) in costs.as_chunks_mut::<LANES>().0.iter_mut().zip(runs) {
-            let first = left.disagreement(wide, [&a[0], &b[0], &c[0], &d[0]]);
-            let second = left.disagreement(wide, [&a[1], &b[1], &c[1], &d[1]]);
-            wide.store(wide.upper_6(first, second), costs);
+            let cost = left.disagreement(wide, [a, b, c, d]);
+            wide.store(wide.upper_6(cost), costs);
         }
     }
 }
 
-/// A run of a row in blocks of as many pixels as are compared side by side, in two halves.
+/// A run of a row in blocks of as many pixels as are compared side by side.
 #[inline(always)]
-fn blocks<'a>(row: &'a [[u8; 2]], run: &std::ops::Range<usize>) -> &'a [[[u8; LANES]; 2]] {
-    row[run.clone()].as_flattened().as_chunks().0.as_chunks().0
-}
-
-/// The pair of one orientation, side by side for all shifts.
-#[inline(always)]
-fn splat_without_bias<W: Wide>(wide: W, pair: [u8; 2]) -> W::Words {
-    let without = |part: u8| part.wrapping_sub(BIAS).cast_signed();
-    wide.splat_pair([without(pair[0]), without(pair[1])])
+fn blocks<'a>(row: &'a [[u8; 2]], run: &std::ops::Range<usize>) -> &'a [[[u8; 2]; LANES]] {
+    row[run.clone()].as_chunks().0
 }
 
 /// A pixel of the reference, side by side for all shifts.
 struct Left<W: Wide> {
-    /// What the products with the bias take away from the largest disagreement.
+    /// The largest disagreement, and what the bias of the other eye's parts takes away from it.
     base: W::Words,
     pairs: [W::Words; COST_ORIENTATIONS],
 }
 
+// No closure may stand here: it would be compiled without the vector unit's features.
 impl<W: Wide> Left<W> {
-    /// How little the phases agree at half a block of shifts, from 0 to 2 in 16 bits without sign.
-    // No closure may stand here: it would be compiled without the vector unit's features.
     #[inline(always)]
-    fn disagreement(&self, wide: W, runs: [&[u8; LANES]; COST_ORIENTATIONS]) -> W::Words {
-        let a = wide.dot_pairs(wide.load(runs[0]), self.pairs[0]);
-        let b = wide.dot_pairs(wide.load(runs[1]), self.pairs[1]);
-        let c = wide.dot_pairs(wide.load(runs[2]), self.pairs[2]);
-        let d = wide.dot_pairs(wide.load(runs[3]), self.pairs[3]);
+    fn of(wide: W, own: [[u8; 2]; COST_ORIENTATIONS], most: i16) -> Self {
+        let bias = wide.splat_pair([BIAS; 2], 0);
+        let mut base = wide.splat_word(most);
+        let mut pairs = [base; COST_ORIENTATIONS];
+        for q in 0..COST_ORIENTATIONS {
+            pairs[q] = wide.splat_pair(own[q], BIAS);
+            base = wide.add_words(base, wide.dot_pairs(bias, pairs[q]));
+        }
+        Self { base, pairs }
+    }
+
+    /// How little the phases agree at a block of shifts, from 0 to 2 in 16 bits without sign.
+    #[inline(always)]
+    fn disagreement(&self, wide: W, runs: [&[[u8; 2]; LANES]; COST_ORIENTATIONS]) -> W::Words {
+        let a = wide.dot_pairs(wide.load_pairs(runs[0]), self.pairs[0]);
+        let b = wide.dot_pairs(wide.load_pairs(runs[1]), self.pairs[1]);
+        let c = wide.dot_pairs(wide.load_pairs(runs[2]), self.pairs[2]);
+        let d = wide.dot_pairs(wide.load_pairs(runs[3]), self.pairs[3]);
         let sum = wide.add_words(wide.add_words(a, b), wide.add_words(c, d));
         wide.sub_words(self.base, sum)
     }

@@ -2,18 +2,15 @@ use pulp::{Arch, NullaryFnOnce};
 
 use crate::dense::pixel_cost::LANES;
 
-/// Half as many words as there are bytes side by side.
-pub(crate) const WORDS: usize = LANES / 2;
-
-/// Thirty-two bytes side by side, or sixteen words: what costs and paths are made of, in the
-/// machine's own registers.
+/// Thirty-two bytes side by side, or as many words or pairs of bytes: what costs and paths are made
+/// of, in the machine's own registers.
 ///
 /// The compiler finds vectors in plain loops over arrays too, but keeps what a loop carries along in
 /// memory; that is most of a path.
 pub(crate) trait Wide: Copy {
     /// [`LANES`] bytes.
     type Bytes: Copy;
-    /// [`WORDS`] integers of 16 bits.
+    /// [`LANES`] integers of 16 bits, or pairs of bytes.
     type Words: Copy;
 
     fn splat(self, value: u8) -> Self::Bytes;
@@ -44,12 +41,14 @@ pub(crate) trait Wide: Copy {
     fn splat_word(self, value: i16) -> Self::Words;
     fn add_words(self, a: Self::Words, b: Self::Words) -> Self::Words;
     fn sub_words(self, a: Self::Words, b: Self::Words) -> Self::Words;
-    /// The same pair everywhere, for [`Self::dot_pairs`].
-    fn splat_pair(self, pair: [i8; 2]) -> Self::Words;
-    /// The products of pairs of bytes, `a[2i] b[0] + a[2i + 1] b[1]`; they must fit in 16 bits.
-    fn dot_pairs(self, pairs: Self::Bytes, with: Self::Words) -> Self::Words;
-    /// The upper 6 bits of words without sign: of `first`, then of `second`.
-    fn upper_6(self, first: Self::Words, second: Self::Words) -> Self::Bytes;
+    fn load_pairs(self, run: &[[u8; 2]; LANES]) -> Self::Words;
+    /// The same pair everywhere, its bytes less `bias`, with a sign.
+    fn splat_pair(self, pair: [u8; 2], bias: u8) -> Self::Words;
+    /// The sums of the products of pairs, bytes without a sign with bytes with one; they must fit in
+    /// 16 bits.
+    fn dot_pairs(self, pairs: Self::Words, with_sign: Self::Words) -> Self::Words;
+    /// The upper 6 bits of words without sign.
+    fn upper_6(self, words: Self::Words) -> Self::Bytes;
 }
 
 /// Any machine that the target is compiled for.
@@ -58,7 +57,7 @@ pub(crate) struct Plain;
 
 impl Wide for Plain {
     type Bytes = [u8; LANES];
-    type Words = [i16; WORDS];
+    type Words = [i16; LANES];
 
     #[inline(always)]
     fn splat(self, value: u8) -> Self::Bytes {
@@ -126,7 +125,7 @@ impl Wide for Plain {
 
     #[inline(always)]
     fn splat_word(self, value: i16) -> Self::Words {
-        [value; WORDS]
+        [value; LANES]
     }
 
     #[inline(always)]
@@ -140,33 +139,35 @@ impl Wide for Plain {
     }
 
     #[inline(always)]
-    fn splat_pair(self, pair: [i8; 2]) -> Self::Words {
-        [i16::from_le_bytes(pair.map(i8::cast_unsigned)); WORDS]
+    fn load_pairs(self, run: &[[u8; 2]; LANES]) -> Self::Words {
+        run.map(i16::from_le_bytes)
     }
 
     #[inline(always)]
-    fn dot_pairs(self, pairs: Self::Bytes, with: Self::Words) -> Self::Words {
+    fn splat_pair(self, pair: [u8; 2], bias: u8) -> Self::Words {
+        [i16::from_le_bytes(pair.map(|part| part.wrapping_sub(bias))); LANES]
+    }
+
+    #[inline(always)]
+    fn dot_pairs(self, pairs: Self::Words, with_sign: Self::Words) -> Self::Words {
         let product = |byte: u8, with: u8| i16::from(byte) * i16::from(with.cast_signed());
         std::array::from_fn(|i| {
-            let [first, second] = with[i].to_le_bytes();
-            product(pairs[2 * i], first) + product(pairs[2 * i + 1], second)
+            let ([a, b], [c, d]) = (pairs[i].to_le_bytes(), with_sign[i].to_le_bytes());
+            product(a, c) + product(b, d)
         })
     }
 
     #[inline(always)]
-    fn upper_6(self, first: Self::Words, second: Self::Words) -> Self::Bytes {
-        let upper = |word: i16| (word.cast_unsigned() >> 10) as u8;
-        std::array::from_fn(|i| match i.checked_sub(WORDS) {
-            None => upper(first[i]),
-            Some(i) => upper(second[i]),
-        })
+    fn upper_6(self, words: Self::Words) -> Self::Bytes {
+        words.map(|word| (word.cast_unsigned() >> 10) as u8)
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 impl Wide for pulp::x86::V3 {
     type Bytes = core::arch::x86_64::__m256i;
-    type Words = core::arch::x86_64::__m256i;
+    /// Two halves.
+    type Words = [core::arch::x86_64::__m256i; 2];
 
     #[inline(always)]
     fn splat(self, value: u8) -> Self::Bytes {
@@ -244,36 +245,165 @@ impl Wide for pulp::x86::V3 {
 
     #[inline(always)]
     fn splat_word(self, value: i16) -> Self::Words {
-        self.avx._mm256_set1_epi16(value)
+        [self.avx._mm256_set1_epi16(value); 2]
     }
 
     #[inline(always)]
     fn add_words(self, a: Self::Words, b: Self::Words) -> Self::Words {
-        self.avx2._mm256_add_epi16(a, b)
+        let ([a, b], [c, d]) = (a, b);
+        [
+            self.avx2._mm256_add_epi16(a, c),
+            self.avx2._mm256_add_epi16(b, d),
+        ]
     }
 
     #[inline(always)]
     fn sub_words(self, a: Self::Words, b: Self::Words) -> Self::Words {
-        self.avx2._mm256_sub_epi16(a, b)
+        let ([a, b], [c, d]) = (a, b);
+        [
+            self.avx2._mm256_sub_epi16(a, c),
+            self.avx2._mm256_sub_epi16(b, d),
+        ]
     }
 
     #[inline(always)]
-    fn splat_pair(self, pair: [i8; 2]) -> Self::Words {
-        self.splat_word(i16::from_le_bytes(pair.map(i8::cast_unsigned)))
+    fn load_pairs(self, run: &[[u8; 2]; LANES]) -> Self::Words {
+        pulp::cast(*run)
     }
 
     #[inline(always)]
-    fn dot_pairs(self, pairs: Self::Bytes, with: Self::Words) -> Self::Words {
-        self.avx2._mm256_maddubs_epi16(pairs, with)
+    fn splat_pair(self, pair: [u8; 2], bias: u8) -> Self::Words {
+        let same = self.avx._mm256_set1_epi16(i16::from_le_bytes(pair));
+        [self.avx2._mm256_sub_epi8(same, self.splat(bias)); 2]
     }
 
     #[inline(always)]
-    fn upper_6(self, first: Self::Words, second: Self::Words) -> Self::Bytes {
+    fn dot_pairs(self, pairs: Self::Words, with_sign: Self::Words) -> Self::Words {
+        let ([a, b], [c, d]) = (pairs, with_sign);
+        [
+            self.avx2._mm256_maddubs_epi16(a, c),
+            self.avx2._mm256_maddubs_epi16(b, d),
+        ]
+    }
+
+    #[inline(always)]
+    fn upper_6(self, words: Self::Words) -> Self::Bytes {
+        let [first, second] = words;
         let first = self.avx2._mm256_srli_epi16::<10>(first);
         let second = self.avx2._mm256_srli_epi16::<10>(second);
         let packed = self.avx2._mm256_packus_epi16(first, second);
         // Each half has packed its own eight of both.
         self.avx2._mm256_permute4x64_epi64::<0b11_01_10_00>(packed)
+    }
+}
+
+/// The same bytes, compared into masks, and words in one register.
+#[cfg(target_arch = "x86_64")]
+impl Wide for pulp::x86::V4 {
+    type Bytes = core::arch::x86_64::__m256i;
+    type Words = core::arch::x86_64::__m512i;
+
+    #[inline(always)]
+    fn splat(self, value: u8) -> Self::Bytes {
+        Wide::splat(*self, value)
+    }
+
+    #[inline(always)]
+    fn load(self, run: &[u8; LANES]) -> Self::Bytes {
+        Wide::load(*self, run)
+    }
+
+    #[inline(always)]
+    fn store(self, values: Self::Bytes, run: &mut [u8; LANES]) {
+        Wide::store(*self, values, run);
+    }
+
+    #[inline(always)]
+    fn add(self, a: Self::Bytes, b: Self::Bytes) -> Self::Bytes {
+        Wide::add(*self, a, b)
+    }
+
+    #[inline(always)]
+    fn sub(self, a: Self::Bytes, b: Self::Bytes) -> Self::Bytes {
+        Wide::sub(*self, a, b)
+    }
+
+    #[inline(always)]
+    fn min(self, a: Self::Bytes, b: Self::Bytes) -> Self::Bytes {
+        Wide::min(*self, a, b)
+    }
+
+    #[inline(always)]
+    fn if_less(
+        self,
+        a: Self::Bytes,
+        b: Self::Bytes,
+        then: Self::Bytes,
+        otherwise: Self::Bytes,
+    ) -> Self::Bytes {
+        let less = self.avx512bw._mm256_cmplt_epu8_mask(a, b);
+        self.avx512bw._mm256_mask_blend_epi8(less, otherwise, then)
+    }
+
+    #[inline(always)]
+    fn after(self, before: Self::Bytes, values: Self::Bytes) -> Self::Bytes {
+        Wide::after(*self, before, values)
+    }
+
+    #[inline(always)]
+    fn ahead(self, values: Self::Bytes, next: Self::Bytes) -> Self::Bytes {
+        Wide::ahead(*self, values, next)
+    }
+
+    #[inline(always)]
+    fn least(self, values: Self::Bytes) -> u8 {
+        Wide::least(*self, values)
+    }
+
+    #[inline(always)]
+    fn first_equal(self, values: Self::Bytes, value: u8) -> Option<usize> {
+        let same = self
+            .avx512bw
+            ._mm256_cmpeq_epi8_mask(values, self.splat(value));
+        (same != 0).then(|| same.trailing_zeros() as usize)
+    }
+
+    #[inline(always)]
+    fn splat_word(self, value: i16) -> Self::Words {
+        self.avx512f._mm512_set1_epi16(value)
+    }
+
+    #[inline(always)]
+    fn add_words(self, a: Self::Words, b: Self::Words) -> Self::Words {
+        self.avx512bw._mm512_add_epi16(a, b)
+    }
+
+    #[inline(always)]
+    fn sub_words(self, a: Self::Words, b: Self::Words) -> Self::Words {
+        self.avx512bw._mm512_sub_epi16(a, b)
+    }
+
+    #[inline(always)]
+    fn load_pairs(self, run: &[[u8; 2]; LANES]) -> Self::Words {
+        pulp::cast(*run)
+    }
+
+    #[inline(always)]
+    fn splat_pair(self, pair: [u8; 2], bias: u8) -> Self::Words {
+        let same = self.splat_word(i16::from_le_bytes(pair));
+        let bias = self.avx512f._mm512_set1_epi8(bias.cast_signed());
+        self.avx512bw._mm512_sub_epi8(same, bias)
+    }
+
+    #[inline(always)]
+    fn dot_pairs(self, pairs: Self::Words, with_sign: Self::Words) -> Self::Words {
+        self.avx512bw._mm512_maddubs_epi16(pairs, with_sign)
+    }
+
+    #[inline(always)]
+    fn upper_6(self, words: Self::Words) -> Self::Bytes {
+        let upper = self.avx512bw._mm512_srli_epi16::<10>(words);
+        self.avx512bw._mm512_cvtepi16_epi8(upper)
     }
 }
 
@@ -288,7 +418,7 @@ pub(crate) fn widest(work: impl WideWork) {
         #[cfg(target_arch = "x86_64")]
         Arch::V3(v3) => v3.vectorize(Compiled(work, v3)),
         #[cfg(target_arch = "x86_64")]
-        Arch::V4(v4) => (*v4).vectorize(Compiled(work, *v4)),
+        Arch::V4(v4) => v4.vectorize(Compiled(work, v4)),
         _ => Compiled(work, Plain).call(),
     }
 }
@@ -312,11 +442,12 @@ mod tests {
     use super::*;
 
     /// Everything that a width can do, as plain arrays.
-    fn all<W: Wide>(wide: W, a: [u8; LANES], b: [u8; LANES], pair: [i8; 2]) -> Vec<u8> {
+    fn all<W: Wide>(wide: W, a: [u8; LANES], b: [u8; LANES], pair: [u8; 2]) -> Vec<u8> {
         let (va, vb) = (wide.load(&a), wide.load(&b));
         let place = |value| wide.first_equal(va, value).map_or(99, |place| place as u8);
         let mut said = vec![wide.least(va), place(a[5]), place(100)];
-        let product = wide.dot_pairs(va, wide.splat_pair(pair));
+        let pairs = wide.load_pairs(&std::array::from_fn(|i| [a[i], a[LANES - 1 - i]]));
+        let product = wide.dot_pairs(pairs, wide.splat_pair(pair, 90));
         let words = wide.sub_words(wide.splat_word(999), wide.add_words(product, product));
         let runs = [
             wide.splat(a[3]),
@@ -326,7 +457,8 @@ mod tests {
             wide.after(va, vb),
             wide.ahead(va, vb),
             wide.if_less(va, vb, wide.splat(1), wide.splat(2)),
-            wide.upper_6(words, product),
+            wide.upper_6(words),
+            wide.upper_6(product),
         ];
         for run in runs {
             let mut out = [0; LANES];
@@ -340,9 +472,9 @@ mod tests {
         #[test]
         fn every_width_says_the_same(
             a in prop::array::uniform32(0u8..180), b in prop::array::uniform32(0u8..),
-            pair in prop::array::uniform2(-90i8..90),
+            pair in prop::array::uniform2(0u8..180),
         ) {
-            struct Check([u8; LANES], [u8; LANES], [i8; 2]);
+            struct Check([u8; LANES], [u8; LANES], [u8; 2]);
             impl WideWork for Check {
                 fn work<W: Wide>(self, wide: W) {
                     let Self(a, b, pair) = self;
@@ -350,6 +482,10 @@ mod tests {
                 }
             }
             widest(Check(a, b, pair));
+            #[cfg(target_arch = "x86_64")]
+            if let Some(v3) = pulp::x86::V3::try_new() {
+                v3.vectorize(Compiled(Check(a, b, pair), v3));
+            }
         }
     }
 }

@@ -50,19 +50,28 @@ pub(crate) fn winner<W: Wide>(wide: W, sums: &[u8], least: u8) -> Winner {
     }
 }
 
+/// [`NO_SHIFT`] at three places, between as many places without anything as a vector has: read from the
+/// right place on, it hides a shift and its neighbours.
+const HIDES: [u8; 2 * LANES + 3] = {
+    let mut hides = [0; 2 * LANES + 3];
+    hides[LANES] = NO_SHIFT;
+    hides[LANES + 1] = NO_SHIFT;
+    hides[LANES + 2] = NO_SHIFT;
+    hides
+};
+
 /// The least of the sums that are neither at `place` nor beside it.
 #[inline(always)]
 fn least_but_for<W: Wide>(wide: W, sums: &[u8], place: usize) -> u8 {
-    // Places are counted from the vector before, so that the last of it lies beside the first here.
-    let places = wide.add(wide.load(&FIRST_PLACES), wide.splat(LANES as u8));
-    let (one, no_shift) = (wide.splat(1), wide.splat(NO_SHIFT));
-    let mut lowest = no_shift;
+    let mut lowest = wide.splat(NO_SHIFT);
     for (block, run) in sums.as_chunks::<LANES>().0.iter().enumerate() {
-        let from_before = (place + LANES).wrapping_sub(block * LANES);
-        let won = wide.splat(from_before.min(usize::from(u8::MAX)) as u8);
-        let distance = wide.add(wide.sub(places, won), wide.sub(won, places));
-        let others = wide.if_less(one, distance, wide.load(run), no_shift);
-        lowest = wide.min(lowest, others);
+        // Where the winner's place lies before or after the block, nothing is hidden in it.
+        let from = (block * LANES + LANES + 1).wrapping_sub(place);
+        let from = if from <= LANES + 2 { from } else { 0 };
+        let Some(hides) = HIDES[from..].first_chunk() else {
+            return NO_SHIFT;
+        };
+        lowest = wide.min(lowest, wide.add(wide.load(run), wide.load(hides)));
     }
     wide.least(lowest)
 }
