@@ -1,4 +1,5 @@
 use ndarray::{Array2, ArrayView2};
+use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 use crate::dense::fitted::numbers;
@@ -27,63 +28,175 @@ pub(crate) fn look_back(
         .par_chunks_exact_mut(width)
         .zip(dx.par_chunks_exact(width))
         .zip(other_dx.par_chunks_exact(width))
-        .for_each_init(Vec::new, |claimed, ((verdicts, dx), other_dx)| {
-            if judge_row(verdicts, dx, other_dx, tolerance_px) {
-                claim(other_dx, search, claimed);
-                for (verdict, claimed) in verdicts.iter_mut().zip(claimed) {
-                    if *claimed && *verdict == Validity::Occluded {
-                        *verdict = Validity::Inconsistent;
-                    }
-                }
+        .for_each_init(RowRoom::default, |room, ((verdicts, dx), other_dx)| {
+            judge(verdicts, dx, (other_dx, tolerance_px), room);
+            if !verdicts.contains(&Validity::Occluded) {
+                return;
+            }
+            claim(other_dx, search, room);
+            for (verdict, claimed) in verdicts.iter_mut().zip(&room.claimed) {
+                let missed = *claimed & (*verdict == Validity::Occluded);
+                let why = if missed {
+                    Validity::Inconsistent
+                } else {
+                    *verdict
+                };
+                *verdict = why;
             }
         });
 }
 
-/// Which pixels of a row the other eye confirms; what it does not is called occluded. Whether there
-/// is any such pixel.
-fn judge_row(verdicts: &mut [Validity], dx: &[f32], other_dx: &[f32], tolerance_px: f32) -> bool {
-    let mut some = false;
-    for (x, (verdict, &dx)) in verdicts.iter_mut().zip(dx).enumerate() {
-        let seen = place(x as f32 + dx);
-        let in_view = seen < other_dx.len();
-        // Asked of every pixel, so that nothing hangs on a guess of what the last one was.
-        let other_dx = other_dx[if in_view { seen } else { 0 }];
-        let agrees = (dx - other_dx).abs() <= tolerance_px;
-        some |= in_view & !agrees;
-        let there = if agrees {
-            Validity::Valid
-        } else {
-            Validity::Occluded
-        };
-        *verdict = if in_view { there } else { Validity::OutOfView };
+/// What one row takes. Where pixels lead is told apart from what is done there: the one is computed side
+/// by side, the other is memory.
+#[derive(Clone, Debug, Default)]
+struct RowRoom {
+    /// Where each pixel leads, the width where that is out of view; twice if it lies between two.
+    leads: [Vec<u32>; 2],
+    /// The other eye's row, NaN beyond its end, and what it says where each pixel leads.
+    other: Vec<f32>,
+    told: Vec<f32>,
+    /// Which pixels some pixel of the other eye says it sees; beyond the last stands for none.
+    claimed: Vec<bool>,
+}
+
+/// Which pixels of a row the other eye confirms; what it does not is called occluded.
+fn judge(
+    verdicts: &mut [Validity],
+    dx: &[f32],
+    (other_dx, tolerance_px): (&[f32], f32),
+    room: &mut RowRoom,
+) {
+    let RowRoom {
+        leads: [leads, _],
+        other,
+        told,
+        ..
+    } = room;
+    leads.resize(dx.len(), 0);
+    Arch::new().dispatch(Seen { dx, leads });
+    other.clear();
+    other.extend_from_slice(other_dx);
+    other.push(f32::NAN);
+    told.clear();
+    told.extend(leads.iter().map(|seen| other[*seen as usize]));
+    Arch::new().dispatch(Verdicts {
+        dx,
+        told,
+        leads,
+        tolerance_px,
+        verdicts,
+    });
+}
+
+/// Where the shifts of a row lead, the width where that is out of view.
+struct Seen<'a> {
+    dx: &'a [f32],
+    leads: &'a mut [u32],
+}
+
+impl NullaryFnOnce for Seen<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let width = self.dx.len();
+        let leads = &mut self.leads[..width];
+        for x in 0..width {
+            leads[x] = place(x as f32 + self.dx[x]).min(width) as u32;
+        }
     }
-    some
+}
+
+/// Whether what the other eye says agrees.
+struct Verdicts<'a> {
+    dx: &'a [f32],
+    told: &'a [f32],
+    leads: &'a [u32],
+    tolerance_px: f32,
+    verdicts: &'a mut [Validity],
+}
+
+impl NullaryFnOnce for Verdicts<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let width = self.dx.len();
+        let (told, leads) = (&self.told[..width], &self.leads[..width]);
+        let verdicts = &mut self.verdicts[..width];
+        for x in 0..width {
+            let agrees = (self.dx[x] - told[x]).abs() <= self.tolerance_px;
+            let there = if agrees {
+                Validity::Valid
+            } else {
+                Validity::Occluded
+            };
+            let in_view = leads[x] < width as u32;
+            verdicts[x] = if in_view { there } else { Validity::OutOfView };
+        }
+    }
 }
 
 /// Which pixels of a row some pixel of the other eye says it sees.
-fn claim(other_dx: &[f32], search: SearchRange, claimed: &mut Vec<bool>) {
-    let (least, most) = (search.least_dx() as f32, search.most_dx() as f32);
+fn claim(other_dx: &[f32], search: SearchRange, room: &mut RowRoom) {
     let width = other_dx.len();
-    claimed.clear();
-    // The last is claimed by those that see nothing of the row.
-    claimed.resize(width + 1, false);
-    for (seen, dx) in other_dx.iter().enumerate() {
-        let seen = seen as f32;
-        let from = seen - dx;
-        let x = nearest(from);
-        // Halfway between two pixels both are seen, elsewhere one twice.
-        let beyond = from - x;
-        let second = if beyond.abs() > 1.0 - AGREES_PX {
-            x + beyond.signum()
-        } else {
-            x
-        };
-        for x in [x, second] {
-            let shift = seen - x;
-            // An eye that says nothing, NaN, claims nothing: no comparison holds.
-            let searched = (least <= shift) & (shift <= most);
-            claimed[if searched { place(x).min(width) } else { width }] = true;
+    let [first, second] = &mut room.leads;
+    first.resize(width, 0);
+    second.resize(width, 0);
+    let claims = Claims {
+        other_dx,
+        search,
+        leads: [first, second],
+    };
+    let between = Arch::new().dispatch(claims);
+    room.claimed.clear();
+    room.claimed.resize(width + 1, false);
+    for x in first {
+        room.claimed[*x as usize] = true;
+    }
+    if between {
+        for x in second {
+            room.claimed[*x as usize] = true;
         }
+    }
+}
+
+/// Where the shifts of the other eye lead back to, the width where that is no shift of the search or
+/// out of view. Halfway between two pixels both are claimed; says whether any are.
+struct Claims<'a> {
+    other_dx: &'a [f32],
+    search: SearchRange,
+    leads: [&'a mut [u32]; 2],
+}
+
+impl NullaryFnOnce for Claims<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn call(self) -> bool {
+        let width = self.other_dx.len();
+        let (least, most) = (self.search.least_dx() as f32, self.search.most_dx() as f32);
+        let [first, second] = self.leads;
+        let (first, second) = (&mut first[..width], &mut second[..width]);
+        let mut any = 0;
+        for i in 0..width {
+            let seen = i as f32;
+            let from = seen - self.other_dx[i];
+            let x = nearest(from);
+            let beyond = from - x;
+            let aside = if beyond > 0.0 { 1.0 } else { -1.0 };
+            let between = beyond.abs() > 1.0 - AGREES_PX;
+            let other = if between { x + aside } else { x };
+            // An eye that says nothing, NaN, claims nothing: no comparison holds.
+            let searched = (least <= seen - x) & (seen - x <= most);
+            let lead = place(x).min(width) as u32;
+            first[i] = if searched { lead } else { width as u32 };
+            let searched = (least <= seen - other) & (seen - other <= most);
+            let lead = place(other).min(width) as u32;
+            second[i] = if searched { lead } else { width as u32 };
+            any |= u32::from(between);
+        }
+        any > 0
     }
 }
 

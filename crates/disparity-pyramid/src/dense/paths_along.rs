@@ -8,7 +8,7 @@ use crate::dense::paths_down::{Found, PathsDown};
 use crate::dense::pixel_cost::PixelCost;
 use crate::dense::search_windows::{SearchWindows, Tile, Window};
 use crate::dense::wide::Wide;
-use crate::dense::winner::{NO_SHIFT, winner};
+use crate::dense::winner::{NO_SHIFT, Winners};
 
 /// What the paths of one row need.
 #[derive(Clone, Debug, Default)]
@@ -22,6 +22,7 @@ pub(crate) struct RowSpace {
     total: Vec<u8>,
     /// What a large step from each pixel to the one before costs.
     large: Vec<u8>,
+    won: Winners,
     other: OtherEye,
 }
 
@@ -29,6 +30,7 @@ impl RowSpace {
     /// Makes room.
     pub(crate) fn fit(&mut self, windows: &SearchWindows, width: usize, search: SearchRange) {
         self.other.fit(width, search);
+        self.won.fit(width);
         let places = windows.most_places();
         for run in [&mut self.run, &mut self.spare, &mut self.total] {
             run.resize(places, 0);
@@ -108,11 +110,15 @@ impl<C: PixelCost> Along<'_, C> {
             let found = self.down.found(tile.start);
             with_vectors!(tile.window.places, walk_left(wide, &mut self, &tile, found));
         }
-        let Some(other_dx) = &mut self.other_dx else {
-            return;
-        };
-        for (mut other_dx, space) in other_dx.rows_mut().into_iter().zip(self.spaces) {
-            if let Some(other_dx) = other_dx.as_slice_mut() {
+        let spaces = self.spaces.iter_mut();
+        for (row, space) in spaces.enumerate() {
+            if let Some(dx) = self.dx.row_mut(row).as_slice_mut() {
+                space.won.shifts(self.search.least_dx(), dx);
+            }
+            let Some(other_dx) = &mut self.other_dx else {
+                continue;
+            };
+            if let Some(other_dx) = other_dx.row_mut(row).as_slice_mut() {
                 space.other.tell(self.search, other_dx);
             }
         }
@@ -153,7 +159,7 @@ fn walk_left<W: Wide, C: PixelCost, const N: usize>(
     found: Found<'_>,
 ) {
     let places = tile.window.places_of::<N>();
-    let least_dx = rows.search.least_dx() + tile.window.first as i32;
+    let first = tile.window.first;
     for (i, x) in tile.columns.clone().enumerate().rev() {
         for (row, space) in rows.spaces.iter_mut().enumerate() {
             let here = row * found.stride + i * places;
@@ -172,11 +178,10 @@ fn walk_left<W: Wide, C: PixelCost, const N: usize>(
                 wide.store(sum, &mut total[i]);
             });
             if rows.other_dx.is_some() {
-                space.other.hear(wide, x, tile.window.first, total);
+                space.other.hear(wide, x, first, total);
             }
-            let won = winner(wide, &space.total[..places], wide.least(lowest));
-            rows.dx[[row, x]] = (least_dx + won.place as i32) as f32 + won.beyond;
-            rows.margin[[row, x]] = won.margin;
+            let sums = &space.total[..places];
+            rows.margin[[row, x]] = space.won.note(wide, x, (first, sums), wide.least(lowest));
         }
     }
 }

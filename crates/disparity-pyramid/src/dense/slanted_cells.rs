@@ -115,16 +115,17 @@ impl NullaryFnOnce for Cells<'_> {
         for i in 0..LANES {
             // Eliminate a, then solve two by two about the weighted mean.
             let total = s[i].max(f32::MIN_POSITIVE);
-            let (mu, mv, md) = (su[i] / total, sv[i] / total, sd[i] / total);
+            let share = 1.0 / total;
+            let (mu, mv, md) = (su[i] * share, sv[i] * share, sd[i] * share);
             let ridge = RIDGE * total;
             let cuu = suu[i] - su[i] * mu + ridge;
             let cuv = suv[i] - su[i] * mv;
             let cvv = svv[i] - sv[i] * mv + ridge;
             let cdu = sdu[i] - sd[i] * mu;
             let cdv = sdv[i] - sd[i] * mv;
-            let determinant = (cuu * cvv - cuv * cuv).max(f32::MIN_POSITIVE);
-            let b = (cdu * cvv - cdv * cuv) / determinant;
-            let c = (cdv * cuu - cdu * cuv) / determinant;
+            let inverse = 1.0 / (cuu * cvv - cuv * cuv).max(f32::MIN_POSITIVE);
+            let b = (cdu * cvv - cdv * cuv) * inverse;
+            let c = (cdv * cuu - cdu * cuv) * inverse;
             let a = own[i] + md - b * mu - c * mv;
             // Where nobody is trusted there is no plane.
             fitted[i] = if s[i] > LEAST_SUM { a } else { own[i] };

@@ -1,15 +1,15 @@
 use crate::dense::pixel_cost::LANES;
 use crate::dense::wide::Wide;
 
-/// The shift whose paths cost least at a pixel.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Winner {
-    /// Its place among the shifts.
-    pub(crate) place: usize,
-    /// Where the least of the parabola through its cost and its neighbours' lies, from -0.5 to 0.5.
-    pub(crate) beyond: f32,
-    /// How much more the best shift that is no neighbour costs.
-    pub(crate) margin: u8,
+/// The shifts whose paths cost least along a row, pixel by pixel.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Winners {
+    /// Their places among the shifts.
+    places: Vec<u16>,
+    /// Their sums, and those of the shifts before and after; [`NO_SHIFT`] where there is none.
+    least: Vec<u8>,
+    before: Vec<u8>,
+    after: Vec<u8>,
 }
 
 /// The first places of a run.
@@ -21,32 +21,52 @@ pub(crate) const FIRST_PLACES: [u8; LANES] = [
 /// What stands at places that are no shifts.
 pub(crate) const NO_SHIFT: u8 = u8::MAX;
 
-/// The winner among the summed path costs of a pixel, the first of equals; `least` is the least of
-/// them. `sums` is a whole number of vectors, [`NO_SHIFT`] beyond the last shift.
-#[inline(always)]
-pub(crate) fn winner<W: Wide>(wide: W, sums: &[u8], least: u8) -> Winner {
-    let place = first_of(wide, sums, least);
-    let beside = |place: Option<usize>| {
-        let cost = place.and_then(|place| sums.get(place)).copied();
-        cost.filter(|cost| *cost < NO_SHIFT).map(i16::from)
-    };
-    let before = beside(place.checked_sub(1));
-    let after = beside(Some(place + 1));
-    let beyond = match (before, after) {
-        (Some(before), Some(after)) => {
-            let curvature = before + after - 2 * i16::from(least);
-            if curvature > 0 {
-                0.5 * f32::from(before - after) / f32::from(curvature)
-            } else {
-                0.0
-            }
+impl Winners {
+    /// Makes room.
+    pub(crate) fn fit(&mut self, width: usize) {
+        self.places.resize(width, 0);
+        for sums in [&mut self.least, &mut self.before, &mut self.after] {
+            sums.resize(width, NO_SHIFT);
         }
-        _ => 0.0,
-    };
-    Winner {
-        place,
-        beyond,
-        margin: least_but_for(wide, sums, place) - least,
+    }
+
+    /// Notes the winner among the summed path costs of pixel `x`, the first of equals; `least` is the
+    /// least of them. `sums` is a whole number of vectors from the `first` place on, [`NO_SHIFT`]
+    /// beyond the last shift. Gives how much more the best shift costs that is no neighbour.
+    #[inline(always)]
+    pub(crate) fn note<W: Wide>(
+        &mut self,
+        wide: W,
+        x: usize,
+        (first, sums): (usize, &[u8]),
+        least: u8,
+    ) -> u8 {
+        let place = first_of(wide, sums, least);
+        self.places[x] = (first + place) as u16;
+        self.least[x] = least;
+        self.before[x] = match place {
+            0 => NO_SHIFT,
+            _ => sums[place - 1],
+        };
+        self.after[x] = sums.get(place + 1).copied().unwrap_or(NO_SHIFT);
+        least_but_for(wide, sums, place) - least
+    }
+
+    /// The shifts themselves, in pixels, the first place being `least_dx`: between whole ones by the
+    /// parabola through the winner's sum and its neighbours', if it has two.
+    #[inline(always)]
+    pub(crate) fn shifts(&self, least_dx: i32, dx: &mut [f32]) {
+        let width = dx.len();
+        let (places, least) = (&self.places[..width], &self.least[..width]);
+        let (before, after) = (&self.before[..width], &self.after[..width]);
+        for x in 0..width {
+            let has_two = (before[x] < NO_SHIFT) & (after[x] < NO_SHIFT);
+            let (before, after) = (i32::from(before[x]), i32::from(after[x]));
+            let curvature = before + after - 2 * i32::from(least[x]);
+            let slope = if has_two { before - after } else { 0 };
+            let beyond = 0.5 * slope as f32 / curvature.max(1) as f32;
+            dx[x] = (least_dx + i32::from(places[x])) as f32 + beyond;
+        }
     }
 }
 
@@ -96,19 +116,30 @@ mod tests {
 
     proptest! {
         /// The winner is the first of the least, its margin the distance to the least that is no
-        /// neighbour.
+        /// neighbour, and the parabola's least lies near it.
         #[test]
-        fn the_least_wins(costs in prop::collection::vec(0u8..50, 1..80)) {
+        fn the_least_wins(costs in prop::collection::vec(0u8..50, 1..80), first in 0usize..300) {
             let mut sums = costs.clone();
             sums.resize(costs.len().next_multiple_of(LANES), NO_SHIFT);
             let least = *costs.iter().min().unwrap();
-            let found = winner(Plain, &sums, least);
+            let mut winners = Winners::default();
+            winners.fit(2);
+            let margin = winners.note(Plain, 1, (first, &sums), least);
+            let mut dx = [0.0; 2];
+            winners.shifts(-40, &mut dx);
             let place = costs.iter().position(|cost| *cost == least).unwrap();
-            prop_assert_eq!(found.place, place);
-            prop_assert!(found.beyond.abs() <= 0.5);
             let others = costs.iter().enumerate().filter(|(i, _)| i.abs_diff(place) > 1);
             let second = others.map(|(_, cost)| *cost).min().unwrap_or(NO_SHIFT);
-            prop_assert_eq!(found.margin, second - least);
+            prop_assert_eq!(margin, second - least);
+            let whole = (first + place) as f32 - 40.0;
+            let beside = place.checked_sub(1).map(|before| costs[before]).zip(costs.get(place + 1));
+            let beyond = beside.map_or(0.0, |(before, after)| {
+                let [before, after, least] = [before, *after, least].map(f32::from);
+                let curvature = before + after - 2.0 * least;
+                if curvature > 0.0 { 0.5 * (before - after) / curvature } else { 0.0 }
+            });
+            prop_assert!(beyond.abs() <= 0.5);
+            prop_assert!((dx[1] - (whole + beyond)).abs() < 1e-4);
         }
     }
 }
