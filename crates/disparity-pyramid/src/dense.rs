@@ -3,7 +3,7 @@
 //!
 //! Each file is one ingredient; [`DenseMatcher::estimate`](crate::DenseMatcher::estimate) puts them
 //! together, in this order:
-//! 0. if asked for, the same at half the size, which says where which shifts are worth a search;
+//! 0. if asked for, the same at a quarter of the size, which says where which shifts are worth a search;
 //! 1. the cost of every shift at every pixel: phase agreement, or the phases' quadrants;
 //! 2. three paths a pixel gather costs along rows and down columns, and the least sum wins;
 //! 3. the other eye looks back; small patches are dropped;

@@ -65,7 +65,7 @@ pub struct DenseMatcher {
     /// The neighbours that surface cells and the choice of surfaces ask.
     cells: Vec<Neighbour>,
     choice: Vec<Neighbour>,
-    /// The estimator at half the size that narrows the search.
+    /// The estimator at a quarter of the size that narrows the search.
     coarse: Option<Box<Self>>,
 }
 
@@ -105,7 +105,10 @@ impl DenseMatcher {
         };
         let plan = |params| FilterBank::plan(params, size);
         let coarse = match params.narrow_px {
-            Some(_) => Some(Box::new(Self::plan(params.coarse(), size.halved())?)),
+            Some(_) => Some(Box::new(Self::plan(
+                params.coarse(),
+                size.halved().halved(),
+            )?)),
             None => None,
         };
         let (cells, choice) = (params.surface_radius, params.choice_radius);
@@ -304,8 +307,8 @@ impl DenseMatcher {
         }
     }
 
-    /// Chooses which shifts are searched where: all, or what lies near those that a look at half the
-    /// size finds.
+    /// Chooses which shifts are searched where: all, or what lies near those that a look at a quarter
+    /// of the size finds.
     fn choose_windows(
         &self,
         lumas: &Binocular<&LumaImage>,
@@ -322,16 +325,17 @@ impl DenseMatcher {
             dx,
             validity,
         } = &mut **workspace.coarse.get_or_insert_default();
-        let halves = match images {
-            Some(halves) => {
-                lumas.left.halve_into(&mut halves.left);
-                lumas.right.halve_into(&mut halves.right);
-                halves
-            }
-            None => images.insert(lumas.map(LumaImage::halved)),
-        };
-        let views = halves.as_ref().map(EyeView::grey);
-        matcher.find(&views, search.halved(), room, (dx, validity))?;
+        let [halves, quarters] = images.get_or_insert_with(|| {
+            let halves = lumas.map(LumaImage::halved);
+            let quarters = halves.as_ref().map(LumaImage::halved);
+            [halves, quarters]
+        });
+        lumas.left.halve_into(&mut halves.left);
+        lumas.right.halve_into(&mut halves.right);
+        halves.left.halve_into(&mut quarters.left);
+        halves.right.halve_into(&mut quarters.right);
+        let views = quarters.as_ref().map(EyeView::grey);
+        matcher.find(&views, search.halved().halved(), room, (dx, validity))?;
         workspace
             .windows
             .take_around(dx.view(), self.size, search, margin_px);

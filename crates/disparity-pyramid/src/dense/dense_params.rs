@@ -13,8 +13,8 @@ pub struct DenseParams {
     pub silent_energy: f32,
     /// Whether surfaces may end where the colour changes, or only where the luma does.
     pub colour: bool,
-    /// How far beyond what a look at half the size finds around a pixel its own shift is searched,
-    /// in pixels; `None` searches the whole range everywhere. The coarse look costs an eighth of a
+    /// How far beyond what a look at a quarter of the size finds around a pixel its own shift is searched,
+    /// in pixels; `None` searches the whole range everywhere. The coarse look costs a sixty-fourth of a
     /// search of the whole range, and what only the fine one would have seen, such as a twig, may
     /// be missed.
     pub narrow_px: Option<u16>,
@@ -149,7 +149,7 @@ pub struct BadDenseParam {
 }
 
 impl DenseParams {
-    /// Those of the look at half the size that narrows the search: it says where surfaces are, and
+    /// Those of the look at a quarter of the size that narrows the search: it says where surfaces are, and
     /// no more.
     pub(crate) const fn coarse(self) -> Self {
         Self {

@@ -24,7 +24,7 @@ use crate::speckles::Patches;
 /// What they hold between two pairs means nothing; a workspace may go from one matcher to another.
 #[derive(Clone, Debug, Default)]
 pub struct DenseWorkspace {
-    /// The look at half the size, if it narrows the search.
+    /// The look at a quarter of the size, if it narrows the search.
     pub(crate) coarse: Option<Box<CoarseLook>>,
     pub(crate) guides: Binocular<Guide>,
     pub(crate) windows: SearchWindows,
@@ -46,10 +46,11 @@ pub struct DenseWorkspace {
     pub(crate) moved: Array2<f32>,
 }
 
-/// A look at half the size: what it works in and what it finds.
+/// A look at a quarter of the size: what it works in and what it finds.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct CoarseLook {
-    pub(crate) images: Option<Binocular<LumaImage>>,
+    /// Both eyes at half the size, and at a quarter.
+    pub(crate) images: Option<[Binocular<LumaImage>; 2]>,
     pub(crate) workspace: DenseWorkspace,
     pub(crate) dx: Array2<f32>,
     pub(crate) validity: Array2<Validity>,

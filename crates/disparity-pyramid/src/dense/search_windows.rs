@@ -14,6 +14,9 @@ pub(crate) const TILE: Size = Size {
     height: 8,
 };
 
+/// How many pixels a pixel of a coarse look is wide and high.
+const COARSE: usize = 4;
+
 /// How far about a tile a coarse look is asked, in its own pixels: what lies there may reach into the
 /// tile.
 const AROUND: usize = 8;
@@ -55,10 +58,10 @@ impl SearchWindows {
         self.count(size);
     }
 
-    /// Around what a look at half the size has found in a tile and close about it: from the
+    /// Around what a look at a quarter of the size has found in a tile and close about it: from the
     /// least shift there to the largest, and at least `margin_px` further on either side.
     ///
-    /// `coarse_dx` holds the shifts of every second pixel of every second row, in its own pixels.
+    /// `coarse_dx` holds the shifts of every fourth pixel of every fourth row, in its own pixels.
     pub(crate) fn take_around(
         &mut self,
         coarse_dx: ArrayView2<'_, f32>,
@@ -72,8 +75,8 @@ impl SearchWindows {
         let all = shifts.next_multiple_of(LANES);
         let window = |(least, most): &(f32, f32)| {
             let place = |dx: f32| (dx - least_dx).clamp(0.0, (shifts - 1) as f32);
-            let low = place((2.0 * least).floor() - margin_px) as usize;
-            let high = place((2.0 * most).ceil() + margin_px) as usize;
+            let low = place((COARSE as f32 * least).floor() - margin_px) as usize;
+            let high = place((COARSE as f32 * most).ceil() + margin_px) as usize;
             let span = high - low + 1;
             let places = span.next_multiple_of(LANES).min(all);
             // What is left over of the last vector lies on both sides.
@@ -110,7 +113,7 @@ impl SearchWindows {
     fn take_spans(&mut self, coarse_dx: ArrayView2<'_, f32>, tiles: Size) {
         let (height, width) = coarse_dx.dim();
         let reach = |tile: usize, side: usize, end: usize| {
-            let (first, last) = (tile * side / 2, (tile + 1) * side / 2 + AROUND);
+            let (first, last) = (tile * side / COARSE, (tile + 1) * side / COARSE + AROUND);
             first.saturating_sub(AROUND).min(end - 1)..last.min(end)
         };
         self.spans.resize(tiles.area(), (0.0, 0.0));
@@ -251,11 +254,11 @@ mod tests {
             let size = Size { width, height };
             let search = SearchRange::new(least, least + more).unwrap();
             let mut state = seed | 1;
-            let coarse = Array2::from_shape_simple_fn(size.halved().dim(), || {
+            let coarse = Array2::from_shape_simple_fn(size.halved().halved().dim(), || {
                 state ^= state << 13;
                 state ^= state >> 7;
                 state ^= state << 17;
-                (least as f32 + (state >> 20) as f32 % (more as f32 + 1.0)) / 2.0
+                (least as f32 + (state >> 20) as f32 % (more as f32 + 1.0)) / 4.0
             });
             let mut windows = SearchWindows::default();
             windows.take_around(coarse.view(), size, search, margin);
@@ -266,7 +269,7 @@ mod tests {
                     prop_assert!(window.places.is_multiple_of(LANES) && window.places <= all);
                     prop_assert!(window.places <= windows.most_places());
                     prop_assert!(window.first == 0 || window.first + window.places <= search.shifts());
-                    let dx = 2.0 * coarse[[y / 2, x / 2]];
+                    let dx = 4.0 * coarse[[y / 4, x / 4]];
                     let margin = i32::from(margin);
                     for near in [dx.floor() as i32 - margin, dx.ceil() as i32 + margin] {
                         let place = (near.clamp(least, least + more) - least) as usize;
