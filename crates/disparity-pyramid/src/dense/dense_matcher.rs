@@ -439,9 +439,7 @@ impl DenseMatcher {
                 vote(&mut field, &arms, search);
             }
         }
-        // Where nothing at all is known, the shift that says least.
-        let otherwise = 0.clamp(search.least_dx(), search.most_dx()) as f32;
-        fill(&mut field, otherwise, &mut workspace.fill);
+        fill(&mut field, search, &mut workspace.fill);
         if self.params.median {
             workspace.median.smooth(&mut field.dx, MedianRadius::Two);
         }

@@ -3,6 +3,7 @@ use std::ops::Range;
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
+use crate::SearchRange;
 use crate::dense::partial_field::{PartialField, is_hidden};
 
 /// Directions in which a missed pixel looks for known ones.
@@ -31,13 +32,15 @@ pub(crate) struct FillRoom {
     onward: (Onward, Onward),
 }
 
-/// Gives every pixel a shift: a hidden one takes what lies behind it on its row, any other the median
-/// of the nearest known shifts in sixteen directions (of two in the middle the farther),
-/// `otherwise` if nothing at all is known there.
+/// Gives every pixel a shift: a hidden one takes what lies behind it on its row, and at the image's rim
+/// what is beside it goes on as slanted as it is; any other takes the median of the nearest known shifts
+/// in sixteen directions (of two in the middle the farther), and if nothing at all is known there the
+/// shift of the search that says least.
 ///
 /// What a pixel sees in a direction is what its neighbour there is or sees. So one walk up the image
 /// and one down, side by side, tell every pixel, however far it has to look.
-pub(crate) fn fill(field: &mut PartialField, otherwise: f32, room: &mut FillRoom) {
+pub(crate) fn fill(field: &mut PartialField, search: SearchRange, room: &mut FillRoom) {
+    let otherwise = 0.clamp(search.least_dx(), search.most_dx()) as f32;
     let height = field.dx.nrows();
     let FillRoom {
         missed,
@@ -55,10 +58,16 @@ pub(crate) fn fill(field: &mut PartialField, otherwise: f32, room: &mut FillRoom
         while let Some(hole) = field.hole_from(y, next) {
             next = hole.columns.end;
             let behind = hole.behind();
+            let line = field.goes_on(y, &hole);
             let beside = [hole.left, hole.right].map(|dx| dx.unwrap_or(f32::INFINITY));
             for x in hole.columns {
                 match behind {
-                    Some(behind) if is_hidden(field.validity[[y, x]]) => field.dx[[y, x]] = behind,
+                    Some(behind) if is_hidden(field.validity[[y, x]]) => {
+                        let least = search.least_dx() as f32;
+                        let most = search.most_dx() as f32;
+                        let goes_on = line.map(|line| line.at(x).clamp(least, most));
+                        field.dx[[y, x]] = goes_on.unwrap_or(behind);
+                    }
                     _ => missed.push(Missed { x, beside }),
                 }
             }
@@ -279,13 +288,14 @@ mod tests {
                 if random(8) < holes { Validity::Inconsistent } else { Validity::Valid }
             });
             let field = PartialField::new(dx, validity, Array2::default((0, 0)));
+            let search = SearchRange::new(-50, -2).unwrap();
             let mut filled = field.clone();
-            fill(&mut filled, 7.0, &mut FillRoom::default());
+            fill(&mut filled, search, &mut FillRoom::default());
             for ((y, x), dx) in filled.dx.indexed_iter() {
                 let want = if field.known[[y, x]] {
                     field.dx[[y, x]]
                 } else {
-                    median_around(&field, x, y).unwrap_or(7.0)
+                    median_around(&field, x, y).unwrap_or(-2.0)
                 };
                 prop_assert_eq!(*dx, want, "at ({}, {})", x, y);
             }
@@ -350,9 +360,32 @@ mod tests {
         let mut field = PartialField::new(dx, validity, Array2::default((0, 0)));
         field.dx[[2, 4]] = 99.0;
         field.dx[[2, 6]] = 99.0;
-        fill(&mut field, 0.0, &mut FillRoom::default());
+        fill(
+            &mut field,
+            SearchRange::new(-9, 0).unwrap(),
+            &mut FillRoom::default(),
+        );
         assert_eq!((field.dx[[2, 4]], field.dx[[2, 6]]), (-2.0, -7.0));
         assert_eq!(field.dx[[0, 4]], -7.0);
+    }
+
+    #[test]
+    fn slants_go_on_beyond_the_rim() {
+        // A surface that the right eye does not see in its first 20 columns.
+        let slanted = |x: usize| -10.0 + 0.125 * x as f32;
+        let dx = Array2::from_shape_fn((4, 60), |(_, x)| if x < 20 { 9.0 } else { slanted(x) });
+        let validity = Array2::from_shape_fn((4, 60), |(_, x)| match x {
+            0..20 => Validity::OutOfView,
+            _ => Validity::Valid,
+        });
+        let mut field = PartialField::new(dx, validity, Array2::default((0, 0)));
+        let search = SearchRange::new(-9, 0).unwrap();
+        fill(&mut field, search, &mut FillRoom::default());
+        for ((_, x), dx) in field.dx.indexed_iter() {
+            // Medians of twelve lie half a pixel beside the middle, in both runs alike.
+            let want = slanted(x).max(-9.0);
+            assert!((dx - want).abs() < 0.1, "{dx} for {want} at {x}");
+        }
     }
 
     #[test]
@@ -360,7 +393,11 @@ mod tests {
         let nothing = Array2::from_elem((3, 4), Validity::NoEnergy);
         let guess = Array2::from_elem((3, 4), -5.0);
         let mut field = PartialField::new(guess, nothing, Array2::default((0, 0)));
-        fill(&mut field, -1.0, &mut FillRoom::default());
+        fill(
+            &mut field,
+            SearchRange::new(-9, -1).unwrap(),
+            &mut FillRoom::default(),
+        );
         assert!(field.dx.iter().all(|dx| *dx == -1.0));
     }
 }

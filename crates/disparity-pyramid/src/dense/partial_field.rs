@@ -54,11 +54,79 @@ impl PartialField {
         let start = column + known[column..].iter().position(|known| !known)?;
         let length = known[start..].iter().position(|known| *known);
         let end = length.map_or(known.len(), |length| start + length);
+        let before = known[..start].iter().rev().take_while(|known| **known);
+        let after = known[end..].iter().take_while(|known| **known);
+        let (before, after) = (before.take(BESIDE).count(), after.take(BESIDE).count());
         Some(Hole {
             columns: start..end,
             left: start.checked_sub(1).map(|left| dx[left]),
             right: dx.get(end).copied(),
+            left_of_it: median_of(&dx[start - before..start]),
+            right_of_it: median_of(&dx[end..end + after]),
         })
+    }
+
+    /// How the surface beside a hole at the image's rim goes on into it: `None` for any other hole, or
+    /// where too little is known beside it, or that is no slant.
+    pub(crate) fn goes_on(&self, y: usize, hole: &Hole) -> Option<Line> {
+        let (dx, known) = (self.dx.row(y), self.known.row(y));
+        let beside = |columns: &mut dyn Iterator<Item = usize>| {
+            let known = columns.filter(|x| known[*x]);
+            let (mut places, mut shifts) = (Vec::new(), Vec::new());
+            for x in known.take(2 * RUN) {
+                places.push(x as f32);
+                shifts.push(dx[x]);
+            }
+            (shifts.len() == 2 * RUN).then_some((places, shifts))
+        };
+        let (places, shifts) = match (hole.left, hole.right) {
+            (None, Some(_)) => beside(&mut (hole.columns.end..dx.len()))?,
+            (Some(_), None) => beside(&mut (0..hole.columns.start).rev())?,
+            _ => return None,
+        };
+        let mean = |run: &[f32]| run.iter().sum::<f32>() / RUN as f32;
+        let (near, far) = (mean(&places[..RUN]), mean(&places[RUN..]));
+        let (shift, farther) = (median_of(&shifts[..RUN])?, median_of(&shifts[RUN..])?);
+        let slant = (farther - shift) / (far - near);
+        (slant.abs() < MOST_SLANT).then_some(Line {
+            x: near,
+            dx: shift,
+            slant,
+        })
+    }
+}
+
+/// So many known pixels beside a hole say together what is there: the one next to it is the least
+/// sure of all.
+const BESIDE: usize = 5;
+
+/// Two runs of so many known pixels say how a surface goes on.
+const RUN: usize = 12;
+
+/// The steepest slant that goes on, in pixels of shift a pixel: more is the end of a surface.
+const MOST_SLANT: f32 = 0.3;
+
+/// The median of at most [`RUN`] shifts, of two in the middle the farther; `None` of none.
+fn median_of(shifts: &[f32]) -> Option<f32> {
+    let mut sorted = [f32::INFINITY; RUN];
+    sorted[..shifts.len()].copy_from_slice(shifts);
+    sorted.sort_by(f32::total_cmp);
+    (!shifts.is_empty()).then(|| sorted[shifts.len() / 2])
+}
+
+/// A slanted surface along a row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Line {
+    x: f32,
+    dx: f32,
+    /// Pixels of shift a pixel.
+    slant: f32,
+}
+
+impl Line {
+    /// Its shift at a pixel.
+    pub(crate) fn at(self, x: usize) -> f32 {
+        self.dx + self.slant * (x as f32 - self.x)
     }
 }
 
@@ -69,15 +137,23 @@ pub(crate) struct Hole {
     /// The shift to the left and to the right, unless the image ends there.
     pub(crate) left: Option<f32>,
     pub(crate) right: Option<f32>,
+    /// The medians of the few known shifts there.
+    left_of_it: Option<f32>,
+    right_of_it: Option<f32>,
 }
 
 impl Hole {
-    /// The farther of the shifts beside it: what lies behind it. `None` if its row knows nothing.
+    /// The farther of the surfaces beside it: what lies behind it. `None` if its row knows nothing.
     pub(crate) fn behind(&self) -> Option<f32> {
-        match (self.left, self.right) {
+        match (self.left_of_it, self.right_of_it) {
             (Some(left), Some(right)) => Some(left.max(right)),
             (one, other) => one.or(other),
         }
+    }
+
+    /// Whether the image ends on one side of it.
+    pub(crate) const fn is_at_rim(&self) -> bool {
+        self.left.is_none() || self.right.is_none()
     }
 }
 
