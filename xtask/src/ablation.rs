@@ -12,7 +12,7 @@ use crate::masks::Masks;
 use crate::metrics::Metrics;
 
 /// The preset with one ingredient exchanged or left out at a time.
-fn variants(preset: DenseParams) -> [(&'static str, DenseParams); 12] {
+fn variants(preset: DenseParams) -> [(&'static str, DenseParams); 14] {
     [
         ("as it is", preset),
         (
@@ -23,7 +23,7 @@ fn variants(preset: DenseParams) -> [(&'static str, DenseParams); 12] {
             },
         ),
         (
-            "narrowed by a look at half the size",
+            "narrowed by a look at a quarter of the size",
             DenseParams {
                 narrow_px: Some(4),
                 ..preset
@@ -80,9 +80,23 @@ fn variants(preset: DenseParams) -> [(&'static str, DenseParams); 12] {
             },
         ),
         (
+            "hyperacuity by the cost's own bank",
+            DenseParams {
+                acuity: Acuity::CostBank,
+                ..preset
+            },
+        ),
+        (
             "no surface cells",
             DenseParams {
                 surface_radius: 0,
+                ..preset
+            },
+        ),
+        (
+            "no choice of surfaces",
+            DenseParams {
+                choice_radius: 0,
                 ..preset
             },
         ),

@@ -35,11 +35,19 @@ impl LumaImage {
         if plane.is_empty() {
             return Err(NotAnImage::Empty);
         }
-        match plane.indexed_iter().find(|(_, luma)| !luma.is_finite()) {
-            Some(((y, x), _)) => Err(NotAnImage::NotFinite { x, y }),
-            // Kernels walk rows as slices, so the plane is kept in row-major order.
-            None => Ok(Self(plane.as_standard_layout().into_owned())),
+        // All are asked before anyone is looked for: side by side, a tenth of the time.
+        let finite = plane.fold(true, |finite, luma| finite & luma.is_finite());
+        if !finite {
+            let mut samples = plane.indexed_iter();
+            let first = samples.find(|(_, luma)| !luma.is_finite());
+            let ((y, x), _) = first.expect("some sample is not finite");
+            return Err(NotAnImage::NotFinite { x, y });
         }
+        // Kernels walk rows as slices, so the plane is kept in row-major order.
+        if plane.is_standard_layout() {
+            return Ok(Self(plane));
+        }
+        Ok(Self(plane.as_standard_layout().into_owned()))
     }
 
     /// Width and height in pixels.

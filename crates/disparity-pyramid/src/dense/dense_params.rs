@@ -103,7 +103,7 @@ impl DenseParams {
             look_back: LookBack::OwnPaths,
             left_right_px: 1.0,
             least_patch: 30,
-            votes: 2,
+            votes: 3,
             median: true,
             acuity: Acuity::TwoBanks,
             surface_radius: 13,
