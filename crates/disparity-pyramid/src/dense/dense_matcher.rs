@@ -1,4 +1,5 @@
 use ndarray::Array2;
+use rayon::prelude::*;
 use v1_gabor::{BadParams, Binocular, FilterBank, GaborParams, LumaImage, Size, WrongSize};
 
 use crate::dense::aggregate::{Ground, Winners, aggregate};
@@ -413,13 +414,18 @@ impl DenseMatcher {
     ) {
         let tolerance_px = self.params.left_right_px;
         let other_dx = workspace.other_dx.view();
-        look_back(dx.view(), other_dx, tolerance_px, search, validity);
-        let margins = numbers(&mut workspace.margin);
-        for (validity, margin) in numbers(validity).iter_mut().zip(margins) {
-            if *margin == 0 {
-                *validity = Validity::NoEnergy;
-            }
-        }
+        let verdicts = (&mut *validity, &mut workspace.look_back);
+        look_back(dx.view(), other_dx, tolerance_px, search, verdicts);
+        let width = self.size.width;
+        numbers(validity)
+            .par_chunks_exact_mut(width)
+            .zip(numbers(&mut workspace.margin).par_chunks_exact(width))
+            .for_each(|(validity, margins)| {
+                for (validity, margin) in validity.iter_mut().zip(margins) {
+                    let tells = *margin > 0;
+                    *validity = if tells { *validity } else { Validity::NoEnergy };
+                }
+            });
         let least = self.params.least_patch;
         reject_speckles(dx.view(), validity, least, &mut workspace.patches);
     }

@@ -8,6 +8,7 @@ use crate::dense::fill::FillRoom;
 use crate::dense::guide::Guide;
 use crate::dense::heard_responses::AcuityRoom;
 use crate::dense::local_range::LocalRange;
+use crate::dense::look_back::RowRoom;
 use crate::dense::neighbour_planes::NeighbourPlanes;
 use crate::dense::phase_agreement::PhaseAgreement;
 use crate::dense::phase_quadrants::PhaseQuadrants;
@@ -35,6 +36,7 @@ pub struct DenseWorkspace {
     pub(crate) paths: PathRoom,
     pub(crate) margin: Array2<u8>,
     pub(crate) other_dx: Array2<f32>,
+    pub(crate) look_back: Vec<RowRoom>,
     pub(crate) patches: Patches,
     pub(crate) known: Array2<bool>,
     pub(crate) fill: FillRoom,

@@ -2,6 +2,7 @@ use ndarray::{Array2, ArrayView2};
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
+use crate::dense::bands::bands;
 use crate::dense::fitted::numbers;
 use crate::dense::nearest::{nearest, place};
 use crate::{SearchRange, Validity};
@@ -18,38 +19,50 @@ pub(crate) fn look_back(
     other_dx: ArrayView2<'_, f32>,
     tolerance_px: f32,
     search: SearchRange,
-    verdicts: &mut Array2<Validity>,
+    (verdicts, rooms): (&mut Array2<Validity>, &mut Vec<RowRoom>),
 ) {
     let width = dx.ncols();
     let (Some(dx), Some(other_dx)) = (dx.to_slice(), other_dx.to_slice()) else {
         unreachable!("planes are made in row-major order")
     };
+    let (rooms, rows) = bands(rooms, dx.len() / width);
     numbers(verdicts)
-        .par_chunks_exact_mut(width)
-        .zip(dx.par_chunks_exact(width))
-        .zip(other_dx.par_chunks_exact(width))
-        .for_each_init(RowRoom::default, |room, ((verdicts, dx), other_dx)| {
-            judge(verdicts, dx, (other_dx, tolerance_px), room);
-            if !verdicts.contains(&Validity::Occluded) {
-                return;
-            }
-            claim(other_dx, search, room);
-            for (verdict, claimed) in verdicts.iter_mut().zip(&room.claimed) {
-                let missed = *claimed & (*verdict == Validity::Occluded);
-                let why = if missed {
-                    Validity::Inconsistent
-                } else {
-                    *verdict
-                };
-                *verdict = why;
+        .par_chunks_mut(rows * width)
+        .zip(dx.par_chunks(rows * width))
+        .zip(other_dx.par_chunks(rows * width))
+        .zip(rooms)
+        .for_each(|(((verdicts, dx), other_dx), room)| {
+            let rows = verdicts
+                .chunks_exact_mut(width)
+                .zip(dx.chunks_exact(width))
+                .zip(other_dx.chunks_exact(width));
+            for ((verdicts, dx), other_dx) in rows {
+                judge(verdicts, dx, (other_dx, tolerance_px), room);
+                if verdicts.contains(&Validity::Occluded) {
+                    claim(other_dx, search, room);
+                    spare_the_claimed(verdicts, &room.claimed);
+                }
             }
         });
+}
+
+/// Calls inconsistent what is occluded though some pixel of the other eye says it sees it.
+fn spare_the_claimed(verdicts: &mut [Validity], claimed: &[bool]) {
+    for (verdict, claimed) in verdicts.iter_mut().zip(claimed) {
+        let missed = *claimed & (*verdict == Validity::Occluded);
+        let why = if missed {
+            Validity::Inconsistent
+        } else {
+            *verdict
+        };
+        *verdict = why;
+    }
 }
 
 /// What one row takes. Where pixels lead is told apart from what is done there: the one is computed side
 /// by side, the other is memory.
 #[derive(Clone, Debug, Default)]
-struct RowRoom {
+pub(crate) struct RowRoom {
     /// Where each pixel leads, the width where that is out of view; twice if it lies between two.
     leads: [Vec<u32>; 2],
     /// The other eye's row, NaN beyond its end, and what it says where each pixel leads.
@@ -226,7 +239,7 @@ mod tests {
                 if dx > least as f32 + 8.0 { f32::NAN } else { dx }
             });
             let mut verdicts = Array2::from_elem((1, width), Validity::NoEnergy);
-            look_back(dx.view(), other_dx.view(), tolerance_px, search, &mut verdicts);
+            look_back(dx.view(), other_dx.view(), tolerance_px, search, (&mut verdicts, &mut Vec::new()));
             for (x, verdict) in verdicts.iter().enumerate() {
                 let dx = dx[[0, x]];
                 let there = |dx: i32| {

@@ -1,10 +1,11 @@
 use std::ops::Range;
 
-use ndarray::{Array2, Zip};
+use ndarray::Array2;
+use rayon::prelude::*;
 use v1_gabor::Size;
 
 use crate::Validity;
-use crate::dense::fitted::fit;
+use crate::dense::fitted::{fit, numbers};
 
 /// Shifts on the way to a full field: what was found, and what of it counts as known.
 #[derive(Clone, Debug)]
@@ -25,9 +26,18 @@ impl PartialField {
         mut known: Array2<bool>,
     ) -> Self {
         fit(&mut known, Size::of_dim(dx.dim()), false);
-        Zip::from(&mut known)
-            .and(&validity)
-            .for_each(|known, validity| *known = validity.is_valid());
+        let width = known.ncols();
+        let Some(validities) = validity.as_slice() else {
+            unreachable!("planes are made in row-major order")
+        };
+        numbers(&mut known)
+            .par_chunks_exact_mut(width)
+            .zip(validities.par_chunks_exact(width))
+            .for_each(|(known, validity)| {
+                for (known, validity) in known.iter_mut().zip(validity) {
+                    *known = validity.is_valid();
+                }
+            });
         Self {
             dx,
             known,
