@@ -109,3 +109,57 @@ fn median_margin(margin: ArrayView2<'_, u8>) -> f32 {
     });
     median.map_or(1.0, |median| median.max(1) as f32)
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        /// Rows in vectors and single pixels are equally sure.
+        #[test]
+        fn fast_and_plain_agree(
+            width in 1usize..40, height in 1usize..12, wins in 1u64..200, surfaces: bool, seed: u64,
+        ) {
+            let mut state = seed | 1;
+            let mut random = |below: u64| {
+                state ^= state << 13;
+                state ^= state >> 7;
+                state ^= state << 17;
+                (state >> 20) % below
+            };
+            let dim = (height, width);
+            let validity = Array2::from_shape_simple_fn(dim, || match random(3) {
+                0 => Validity::Occluded,
+                _ => Validity::Valid,
+            });
+            let coherence = Array2::from_shape_simple_fn(dim, || random(200) as f32 / 100.0 - 1.0);
+            let margin = Array2::from_shape_simple_fn(dim, || random(wins) as u8);
+            let range = Array2::from_shape_simple_fn(dim, || random(50) as f32 / 10.0);
+            let moved = Array2::from_shape_simple_fn(dim, || random(30) as f32 / 16.0);
+            let evidence = Evidence {
+                validity: validity.view(),
+                coherence: coherence.view(),
+                margin: margin.view(),
+                range: range.view(),
+                moved: surfaces.then(|| moved.view()),
+            };
+            let mut sure = Array2::zeros(dim);
+            confidence(evidence, &mut sure);
+            let mut margins: Vec<u8> = margin.iter().copied().collect();
+            margins.sort_unstable();
+            let usual = f64::from(margins[margins.len() / 2].max(1));
+            for (at, sure) in sure.indexed_iter() {
+                let found = if validity[at].is_valid() { 1.0 } else { 0.0 };
+                let agrees = f64::from(coherence[at]).clamp(0.0, 1.0);
+                let clear = (f64::from(margin[at]) / usual).min(1.0);
+                let edge = ((f64::from(range[at]) - 1.0) / 2.0).clamp(0.0, 1.0);
+                let disagreed = if surfaces && moved[at] > 1.0 { 1.0 } else { 0.0 };
+                let sum = found + 0.5 * agrees + 0.5 * clear - 0.25 * edge - 0.3 * disagreed;
+                let want = (sum + 0.55) / 2.55;
+                prop_assert!((f64::from(*sure) - want).abs() < 1e-5, "{sure}, {want}");
+            }
+        }
+    }
+}

@@ -108,7 +108,39 @@ fn lesser(a: f32, b: f32) -> f32 {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
+
+    proptest! {
+        /// Sliding columns feel what every pixel feels that asks its 5 x 5 neighbours; a room that has been
+        /// used for another image knows nothing of it.
+        #[test]
+        fn fast_and_plain_agree(width in 1usize..50, height in 1usize..40, seed: u64) {
+            let mut state = seed | 1;
+            let mut dx = |dim| {
+                Array2::from_shape_simple_fn(dim, || {
+                    state ^= state << 13;
+                    state ^= state >> 7;
+                    state ^= state << 17;
+                    -(((state >> 20) % 1000) as f32) / 8.0
+                })
+            };
+            let mut room = LocalRange::default();
+            room.of(dx((9, 70)).view());
+            let dx = dx((height, width));
+            for ((y, x), range) in room.of(dx.view()).indexed_iter() {
+                let (mut least, mut most) = (f32::INFINITY, f32::NEG_INFINITY);
+                for y in y.saturating_sub(2)..(y + 3).min(height) {
+                    for x in x.saturating_sub(2)..(x + 3).min(width) {
+                        least = least.min(dx[[y, x]]);
+                        most = most.max(dx[[y, x]]);
+                    }
+                }
+                prop_assert_eq!(*range, most - least, "{}, {}", x, y);
+            }
+        }
+    }
 
     #[test]
     fn a_step_is_felt_two_pixels_away() {

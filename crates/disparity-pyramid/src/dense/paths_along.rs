@@ -8,7 +8,7 @@ use crate::dense::paths_down::{Found, PathsDown};
 use crate::dense::pixel_cost::PixelCost;
 use crate::dense::search_windows::{SearchWindows, Tile, Window};
 use crate::dense::wide::Wide;
-use crate::dense::winner::{NO_SHIFT, Winners};
+use crate::dense::winner::{NO_SHIFT, WonRow};
 
 /// What the paths of one row need.
 #[derive(Clone, Debug, Default)]
@@ -22,7 +22,7 @@ pub(crate) struct RowSpace {
     total: Vec<u8>,
     /// What a large step from each pixel to the one before costs.
     large: Vec<u8>,
-    won: Winners,
+    won: WonRow,
     other: OtherEye,
 }
 

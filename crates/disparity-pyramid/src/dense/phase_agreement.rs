@@ -308,3 +308,89 @@ impl NormalisedResponses {
             .for_each(|row| padding.mirror(row));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use ndarray::Array2;
+    use num_complex::Complex;
+    use proptest::prelude::*;
+    use v1_gabor::{GaborParams, Size};
+
+    use super::*;
+    use crate::dense::wide::Plain;
+
+    /// An eye's normalised responses, by orientation, of whole images and in double precision.
+    fn normalised(
+        bank: &FilterBank,
+        eye: &LumaImage,
+        silent: f32,
+    ) -> impl Fn(usize, usize, usize) -> Complex<f64> {
+        let responses = bank.respond(eye).unwrap();
+        move |q, x, y| {
+            let heard = responses.scales()[0].at(q, x, y);
+            let heard = Complex::new(f64::from(heard.re), f64::from(heard.im));
+            let silent = f64::from(silent).max(f64::MIN_POSITIVE);
+            heard / (heard.norm_sqr() + silent).sqrt() / (COST_ORIENTATIONS as f64).sqrt()
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(48))]
+
+        /// Costs in bytes are those of the equation, to one: parts and cost are rounded; with the eyes
+        /// exchanged they are those of the mirrored pair.
+        #[test]
+        fn fast_and_plain_agree(
+            width in 1usize..40, height in 1usize..5, least in -30i32..10, more in 0i32..40,
+            unit in 5u8..=30, silence in 0usize..3, seed: u64,
+        ) {
+            let size = Size { width, height };
+            let mut state = seed | 1;
+            let mut see = || {
+                LumaImage::new(Array2::from_shape_simple_fn(size.dim(), || {
+                    state ^= state << 13;
+                    state ^= state >> 7;
+                    state ^= state << 17;
+                    ((state >> 20) % 256) as f32 / 255.0
+                }))
+                .unwrap()
+            };
+            let (left, right) = (see(), see());
+            let params =
+                GaborParams { orientations: COST_ORIENTATIONS, scales: 1, ..GaborParams::default() };
+            let bank = FilterBank::plan(params, size).unwrap();
+            let search = SearchRange::new(least, least + more).unwrap();
+            let silent = [0.0, 3e-7, 1e-3][silence];
+            let eyes = Binocular { left: &left, right: &right };
+            let mut cost = PhaseAgreement::default();
+            cost.take_in(&bank, eyes, silent, (search, unit), &mut Vec::new()).unwrap();
+            let own = normalised(&bank, &left, silent);
+            let other = normalised(&bank, &right, silent);
+            let mut costs = vec![0; search.shifts().next_multiple_of(LANES)];
+            for changed in [false, true] {
+                if changed {
+                    cost.change_eyes();
+                }
+                for y in 0..height {
+                    for x in 0..width {
+                        cost.row(y).costs(Plain, x, 0, &mut costs);
+                        for (dx, cost) in (least..=least + more).zip(&costs) {
+                            let seen = (x as i32 + dx).clamp(0, width as i32 - 1) as usize;
+                            let agreement: f64 = (0..COST_ORIENTATIONS)
+                                .map(|q| match changed {
+                                    false => own(q, x, y) * other(q, seen, y).conj(),
+                                    true => {
+                                        other(q, width - 1 - x, y) * own(q, width - 1 - seen, y).conj()
+                                    }
+                                })
+                                .map(|product| product.re)
+                                .sum();
+                            let want = f64::from(unit) * (1.0 - agreement);
+                            prop_assert!((f64::from(*cost) - want).abs() <= 1.0, "{cost}, {want}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

@@ -161,3 +161,88 @@ impl QuadrantCodes {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use ndarray::Array2;
+    use proptest::prelude::*;
+    use v1_gabor::{GaborParams, Size};
+
+    use super::*;
+    use crate::dense::pixel_cost::LANES;
+    use crate::dense::wide::Plain;
+
+    /// The two signs of a response, whether it is heard, and whether a last bit could decide either.
+    fn quadrant(even: f32, odd: f32) -> (bool, bool, bool, bool) {
+        let amplitude = even.hypot(odd);
+        let close = even.abs().min(odd.abs()) < 1e-6 || (amplitude - 1e-3).abs() < 1e-6;
+        (even > 0.0, odd > 0.0, amplitude > 1e-3, close)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(48))]
+
+        /// Bits that are counted in bytes are those that differ orientation by orientation, with the eyes
+        /// exchanged too.
+        #[test]
+        fn fast_and_plain_agree(
+            width in 1usize..40, height in 1usize..5, least in -30i32..10, more in 0i32..40,
+            unit in 5u8..=30, contrast in 0usize..2, seed: u64,
+        ) {
+            let size = Size { width, height };
+            let mut state = seed | 1;
+            // With little contrast many orientations are silent.
+            let contrast = [1.0, 0.01][contrast];
+            let mut see = || {
+                LumaImage::new(Array2::from_shape_simple_fn(size.dim(), || {
+                    state ^= state << 13;
+                    state ^= state >> 7;
+                    state ^= state << 17;
+                    contrast * ((state >> 20) % 256) as f32 / 255.0
+                }))
+                .unwrap()
+            };
+            let (left, right) = (see(), see());
+            let params =
+                GaborParams { orientations: COST_ORIENTATIONS, scales: 1, ..GaborParams::default() };
+            let bank = FilterBank::plan(params, size).unwrap();
+            let search = SearchRange::new(least, least + more).unwrap();
+            let eyes = Binocular { left: &left, right: &right };
+            let mut cost = PhaseQuadrants::default();
+            cost.take_in(&bank, eyes, search, unit, &mut Vec::new()).unwrap();
+            let (left, right) = (bank.respond(&left).unwrap(), bank.respond(&right).unwrap());
+            let mut costs = vec![0; search.shifts().next_multiple_of(LANES)];
+            for changed in [false, true] {
+                if changed {
+                    cost.change_eyes();
+                }
+                for y in 0..height {
+                    for x in 0..width {
+                        cost.row(y).costs(Plain, x, 0, &mut costs);
+                        for (dx, cost) in (least..=least + more).zip(&costs) {
+                            let seen = (x as i32 + dx).clamp(0, width as i32 - 1) as usize;
+                            let (own, other) = match changed {
+                                false => ((&left, x), (&right, seen)),
+                                true => ((&right, width - 1 - x), (&left, width - 1 - seen)),
+                            };
+                            let (mut bits, mut close) = (0, false);
+                            for q in 0..COST_ORIENTATIONS {
+                                let [own, other] = [own, other].map(|(eye, x)| {
+                                    let heard = eye.scales()[0].at(q, x, y);
+                                    quadrant(heard.re, heard.im)
+                                });
+                                close |= own.3 || other.3;
+                                bits += match own.2 && other.2 {
+                                    true => u16::from(own.0 != other.0) + u16::from(own.1 != other.1),
+                                    false => 1,
+                                };
+                            }
+                            let want = bits * u16::from(unit) / 4;
+                            prop_assert!(u16::from(*cost) == want || close, "{cost}, {want}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

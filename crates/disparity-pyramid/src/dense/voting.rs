@@ -119,3 +119,111 @@ fn elect(
     let beyond = (fullest % VOTE) as f32 / (PARTS * most as f32) - 0.5;
     carried.then_some(winner as f32 + beyond)
 }
+
+#[cfg(test)]
+mod tests {
+    use ndarray::Array2;
+    use proptest::prelude::*;
+    use v1_gabor::LumaImage;
+
+    use super::*;
+    use crate::Validity;
+    use crate::dense::eye_view::EyeView;
+    use crate::dense::guide::Guide;
+
+    /// The median of the first few known shifts from a place on, of two in the middle the farther.
+    fn beside(known: impl Iterator<Item = Option<f32>>) -> Option<f32> {
+        let mut shifts: Vec<f32> = known
+            .skip_while(Option::is_none)
+            .map_while(|shift| shift)
+            .take(5)
+            .collect();
+        shifts.sort_by(f32::total_cmp);
+        shifts.get(shifts.len() / 2).copied()
+    }
+
+    /// The twin: what one pixel without an answer takes, with whole lists of votes.
+    fn plainly(
+        field: &PartialField,
+        arms: &CrossArms,
+        search: SearchRange,
+        (x, y): (usize, usize),
+    ) -> Option<f64> {
+        let width = field.dx.ncols();
+        let known = |x: usize, y: usize| field.known[[y, x]].then_some(field.dx[[y, x]]);
+        let left = beside((0..x).rev().map(|x| known(x, y)))?;
+        let right = beside((x + 1..width).map(|x| known(x, y)))?;
+        let mut votes: Vec<Vec<f64>> = vec![Vec::new(); search.shifts()];
+        for run in arms.region(x, y).step_by(4) {
+            let voters = run.enumerate().filter(|(i, _)| i % 4 < 2);
+            for (_, place) in voters {
+                if let Some(shift) = known(place % width, place / width) {
+                    let bin = (shift - search.least_dx() as f32).round() as usize;
+                    votes[bin].push(f64::from(shift));
+                }
+            }
+        }
+        let all: usize = votes.iter().map(Vec::len).sum();
+        // Of equally full bins the last is the farthest.
+        let fullest = votes.iter().max_by_key(|votes| votes.len())?;
+        if fullest.len() <= 3 || fullest.len() as f64 <= 0.4 * all as f64 {
+            return None;
+        }
+        let winner = fullest.iter().sum::<f64>() / fullest.len() as f64;
+        let behind = f64::from(left.max(right));
+        (!is_hidden(field.validity[[y, x]]) || winner >= behind - 1.0).then_some(winner)
+    }
+
+    proptest! {
+        /// Ballots that are filled in once and counted in halves of numbers elect as lists do.
+        #[test]
+        fn fast_and_plain_agree(
+            width in 1usize..50, height in 1usize..30, least in -20i32..5, shifts in 1u64..20,
+            surfaces in 1u64..4, seed: u64,
+        ) {
+            let mut state = seed | 1;
+            let mut random = |below: u64| {
+                state ^= state << 13;
+                state ^= state >> 7;
+                state ^= state << 17;
+                (state >> 20) % below
+            };
+            let dim = (height, width);
+            let luma = Array2::from_shape_simple_fn(dim, || random(12) as f32 / 255.0);
+            let mut guide = Guide::default();
+            guide.take_in(&EyeView::grey(&LumaImage::new(luma).unwrap()), false, 1.0);
+            let arms = CrossArms::of(&guide);
+            let search = SearchRange::new(least, least + shifts as i32 - 1).unwrap();
+            // Few surfaces, so that most elections are carried; no shift lies between two bins.
+            let levels: Vec<u64> = (0..surfaces).map(|_| random(shifts)).collect();
+            let dx = Array2::from_shape_simple_fn(dim, || {
+                let level = levels[random(surfaces) as usize] as f32;
+                let within = (random(63) as f32 - 31.0) / 64.0;
+                least as f32 + (level + within).clamp(0.0, shifts as f32 - 1.0)
+            });
+            let validity = Array2::from_shape_simple_fn(dim, || match random(6) {
+                0 => Validity::Occluded,
+                1 => Validity::Inconsistent,
+                _ => Validity::Valid,
+            });
+            let before = PartialField::new(dx, validity, Array2::default(dim));
+            let mut after = before.clone();
+            vote(&mut after, &arms, search);
+            for y in 0..height {
+                for x in 0..width {
+                    let own = before.dx[[y, x]];
+                    let found = after.dx[[y, x]];
+                    if before.known[[y, x]] {
+                        prop_assert_eq!(found, own);
+                        continue;
+                    }
+                    let elected = plainly(&before, &arms, search, (x, y));
+                    prop_assert_eq!(after.known[[y, x]], elected.is_some(), "{}, {}", x, y);
+                    let want = elected.unwrap_or(f64::from(own));
+                    // Ballots hold parts of 4096.
+                    prop_assert!((f64::from(found) - want).abs() < 2e-4, "{found}, {want}");
+                }
+            }
+        }
+    }
+}

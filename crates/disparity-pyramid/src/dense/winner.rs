@@ -3,7 +3,7 @@ use crate::dense::wide::Wide;
 
 /// The shifts whose paths cost least along a row, pixel by pixel.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Winners {
+pub(crate) struct WonRow {
     /// Their places among the shifts.
     places: Vec<u16>,
     /// Their sums, and those of the shifts before and after; [`NO_SHIFT`] where there is none.
@@ -21,7 +21,7 @@ pub(crate) const FIRST_PLACES: [u8; LANES] = [
 /// What stands at places that are no shifts.
 pub(crate) const NO_SHIFT: u8 = u8::MAX;
 
-impl Winners {
+impl WonRow {
     /// Makes room.
     pub(crate) fn fit(&mut self, width: usize) {
         self.places.resize(width, 0);
@@ -122,7 +122,7 @@ mod tests {
             let mut sums = costs.clone();
             sums.resize(costs.len().next_multiple_of(LANES), NO_SHIFT);
             let least = *costs.iter().min().unwrap();
-            let mut winners = Winners::default();
+            let mut winners = WonRow::default();
             winners.fit(2);
             let margin = winners.note(Plain, 1, (first, &sums), least);
             let mut dx = [0.0; 2];
