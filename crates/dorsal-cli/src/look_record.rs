@@ -120,6 +120,7 @@ struct DenseMatching {
     acuity: &'static str,
     surface_radius: usize,
     choice_radius: usize,
+    surface_stride: usize,
     choice_stride: usize,
     noisy: f32,
 }
@@ -284,6 +285,7 @@ impl DenseMatching {
             },
             surface_radius: params.surface_radius,
             choice_radius: params.choice_radius,
+            surface_stride: params.surface_stride,
             choice_stride: params.choice_stride,
             noisy: params.noisy,
         })

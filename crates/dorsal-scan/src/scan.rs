@@ -523,8 +523,13 @@ impl Scan {
         pictures: &Binocular<Array2<[u8; 3]>>,
         rig: &StereoRig,
     ) -> Result<Option<DepthMap>, NoScan> {
+        // Close before the eyes a table's texture is coarse: with edges as sharp as for whole rooms it falls apart.
+        let params = DenseParams {
+            edge_softness: 0.02,
+            ..DenseParams::fast()
+        };
         let look = DenseLook {
-            params: DenseParams::fast(),
+            params,
             search: Search::default(),
             rows: Rows::Rectified,
         };

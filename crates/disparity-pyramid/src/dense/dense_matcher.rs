@@ -4,7 +4,6 @@ use v1_gabor::{BadParams, Binocular, FilterBank, GaborParams, LumaImage, Size, W
 
 use crate::dense::aggregate::{Ground, Winners, aggregate};
 use crate::dense::confidence::{Evidence, confidence};
-use crate::dense::cross_arms::CrossArms;
 use crate::dense::dense_params::{Acuity, BadDenseParam, Cost, DenseParams, LookBack};
 use crate::dense::dense_workspace::{CoarseLook, DenseWorkspace};
 use crate::dense::eye_view::EyeView;
@@ -113,8 +112,10 @@ impl DenseMatcher {
             None => None,
         };
         let (cells, choice) = (params.surface_radius, params.choice_radius);
-        let cells = neighbours(cells, slanted_cells::STRIDE, slanted_cells::DISTANCE_PX);
-        let choice = neighbours(choice, params.choice_stride, surface_choice::DISTANCE_PX);
+        let grid = (params.surface_stride, params.surface_stride > 2);
+        let cells = neighbours(cells, grid, slanted_cells::DISTANCE_PX);
+        let grid = (params.choice_stride, false);
+        let choice = neighbours(choice, grid, surface_choice::DISTANCE_PX);
         Ok(Self {
             coarse,
             cells,
@@ -440,9 +441,10 @@ impl DenseMatcher {
         use std::mem::take;
         let mut field = PartialField::new(take(dx), take(validity), take(&mut workspace.known));
         if self.params.votes > 0 {
-            let arms = CrossArms::of(&workspace.guides.left);
+            let DenseWorkspace { arms, votes, .. } = workspace;
+            arms.take_in(&workspace.guides.left, &field.known);
             for _ in 0..self.params.votes {
-                vote(&mut field, &arms, search);
+                vote(&mut field, arms, search, votes);
             }
         }
         fill(&mut field, search, &mut workspace.fill);

@@ -47,6 +47,9 @@ pub struct DenseParams {
     /// Half-width in pixels of the surface cells that fit a slanted plane about each pixel; 0 fits
     /// none.
     pub surface_radius: usize,
+    /// Every so many pixels of a cell, along rows and columns, one is asked, and above 2 of these every
+    /// second, as on the fields of one colour of a chessboard: neighbours know little that theirs do not.
+    pub surface_stride: usize,
     /// Half-width in pixels of the neighbourhood whose colours say, where two surfaces meet, which of
     /// them a pixel is on; 0 leaves depth edges where the filters see them, which is a little beyond the
     /// end of what has more contrast.
@@ -107,28 +110,31 @@ impl DenseParams {
             median: true,
             acuity: Acuity::TwoBanks,
             surface_radius: 13,
+            surface_stride: 2,
             choice_radius: 9,
             choice_stride: 1,
         }
     }
 
-    /// For robots: one aggregation for both eyes, the cost's own bank for hyperacuity, grey guides, no
-    /// votes, small surface cells, and few neighbours that choose surfaces.
+    /// For robots: one aggregation for both eyes, the cost's own bank for hyperacuity, grey guides, one
+    /// round of votes, smaller surface cells, and few neighbours that choose surfaces.
     #[must_use]
     pub const fn fast() -> Self {
         Self {
             silent_energy: 5e-7,
             colour: false,
-            narrow_px: Some(4),
-            small_step: 1.2,
-            large_step: 10.0,
-            edge_softness: 0.02,
+            narrow_px: Some(6),
+            small_step: 1.05,
+            large_step: 12.0,
+            edge_softness: 0.012,
             noisy: 1.0,
             look_back: LookBack::SamePaths,
-            least_patch: 60,
-            votes: 0,
+            left_right_px: 0.9,
+            least_patch: 50,
+            votes: 1,
             acuity: Acuity::CostBank,
-            surface_radius: 3,
+            surface_radius: 6,
+            surface_stride: 3,
             choice_radius: 6,
             choice_stride: 2,
             ..Self::best()
@@ -160,6 +166,7 @@ impl DenseParams {
             surface_radius: 0,
             choice_radius: 0,
             least_patch: self.least_patch / 4,
+            median: false,
             ..self
         }
     }
@@ -222,6 +229,13 @@ impl DenseParams {
             0.0,
             64.0,
             "from 0 to 64",
+        )?;
+        within(
+            "surface_stride",
+            self.surface_stride as f32,
+            1.0,
+            64.0,
+            "from 1 to 64",
         )?;
         within(
             "choice_stride",

@@ -4,6 +4,7 @@ use v1_gabor::{Binocular, LumaImage};
 use crate::Validity;
 use crate::dense::aggregate::PathRoom;
 use crate::dense::bank_rows::BankRows;
+use crate::dense::cross_arms::CrossArms;
 use crate::dense::fill::FillRoom;
 use crate::dense::guide::Guide;
 use crate::dense::heard_responses::AcuityRoom;
@@ -13,14 +14,14 @@ use crate::dense::neighbour_planes::NeighbourPlanes;
 use crate::dense::phase_agreement::PhaseAgreement;
 use crate::dense::phase_quadrants::PhaseQuadrants;
 use crate::dense::search_windows::SearchWindows;
+use crate::dense::voting::VoteRoom;
 use crate::median::KnownMedian;
 use crate::speckles::Patches;
 
 /// Buffers that [`DenseMatcher::estimate_into`](crate::DenseMatcher::estimate_into) works in, kept from
 /// one pair to the next: once they have grown, [`DenseParams::fast`](crate::DenseParams::fast) allocates
 /// nothing large for the next pair of that size and range. (Where a coarse look narrows the search, a
-/// pair that needs a wider one somewhere makes them grow once more.) Votes, which only
-/// [`DenseParams::best`](crate::DenseParams::best) has, allocate what they need every time.
+/// pair that needs a wider one somewhere makes them grow once more, and so do more holes.)
 ///
 /// What they hold between two pairs means nothing; a workspace may go from one matcher to another.
 #[derive(Clone, Debug, Default)]
@@ -39,6 +40,8 @@ pub struct DenseWorkspace {
     pub(crate) look_back: Vec<RowRoom>,
     pub(crate) patches: Patches,
     pub(crate) known: Array2<bool>,
+    pub(crate) arms: CrossArms,
+    pub(crate) votes: VoteRoom,
     pub(crate) fill: FillRoom,
     pub(crate) median: KnownMedian,
     pub(crate) ranges: LocalRange,

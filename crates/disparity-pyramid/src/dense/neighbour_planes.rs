@@ -141,15 +141,21 @@ pub(crate) fn faded(t: f32) -> f32 {
 }
 
 /// The weights of neighbours by their distance, `exp(-(u^2 + v^2) / (2 sigma^2))` with `sigma_px`, of all
-/// `(u, v)` from `-radius` to `radius` in steps of `step`, row by row.
-pub(crate) fn neighbours(radius: usize, step: usize, sigma_px: f32) -> Vec<Neighbour> {
+/// `(u, v)` from `-radius` to `radius` in steps of `step`, row by row; of `thinned` ones every second, as
+/// the fields of one colour lie on a chessboard, the pixel's own among them.
+pub(crate) fn neighbours(
+    radius: usize,
+    (step, thinned): (usize, bool),
+    sigma_px: f32,
+) -> Vec<Neighbour> {
     let reach = (radius / step * step).cast_signed();
     let steps = || (-reach..=reach).step_by(step);
     let weight =
         |u: isize, v: isize| (-((u * u + v * v) as f32) / (2.0 * sigma_px * sigma_px)).exp();
     steps()
         .flat_map(|v| {
-            steps().map(move |u| Neighbour {
+            let asked = move |u: &isize| !thinned || (u + v) / step.cast_signed() % 2 == 0;
+            steps().filter(asked).map(move |u| Neighbour {
                 u,
                 v,
                 weight: weight(u, v),

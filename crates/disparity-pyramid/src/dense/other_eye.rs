@@ -4,18 +4,21 @@ use crate::dense::pixel_cost::LANES;
 use crate::dense::wide::Wide;
 use crate::dense::winner::{FIRST_PLACES, NO_SHIFT};
 
-/// What the sums of one eye's row tell the pixels of the other eye's: the least sum of those that
-/// lead to each, and its shift.
+/// What the sums of one eye's row tell the pixels of the other eye's: the shift of the pixel that asks
+/// least to lead there, counted from what the pixel's own best shift costs ([`OWN_SHARE`]).
+///
+/// Sums as they are favour what is easy to match: something behind a thin surface has texture around it
+/// that lends it a low sum, though the other eye cannot see it there.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct OtherEye {
     blocks: Vec<Block>,
-    /// The least sum of all blocks.
+    /// The least offer of all blocks.
     least: Vec<u8>,
     /// How the rows of the other eye are padded.
     padding: Padding,
 }
 
-/// What a block of shifts tells, pixel by pixel of a padded row: the least sum, and its shift's place
+/// What a block of shifts tells, pixel by pixel of a padded row: the least offer, and its shift's place
 /// in the block. Places are counted within blocks of as many as a byte tells apart.
 #[derive(Clone, Debug, Default)]
 struct Block {
@@ -26,6 +29,16 @@ struct Block {
 /// Places that are counted together: a vector that begins at any of them ends at one that a byte
 /// still tells apart.
 const BLOCK: usize = 256 - LANES;
+
+/// Of what a pixel's own best shift costs, one part in so many counts where it tells the other eye. All
+/// of it (1) loses thin surfaces, nothing of it what is behind others.
+const OWN_SHARE: u8 = 5;
+
+/// What does not count of the sums of a pixel whose least is this.
+#[inline(always)]
+const fn own(least: u8) -> u8 {
+    least - least / OWN_SHARE
+}
 
 impl OtherEye {
     /// Makes room for a row.
@@ -48,11 +61,18 @@ impl OtherEye {
         }
     }
 
-    /// Offers the sums of pixel `x`, from the `first` shift on, to the pixels that its shifts lead to,
-    /// and to the padding where they lead out of view.
+    /// Offers the sums of pixel `x`, from the `first` shift on and `least` of all, to the pixels that its
+    /// shifts lead to, and to the padding where they lead out of view.
     #[inline(always)]
-    pub(crate) fn hear<W: Wide>(&mut self, wide: W, x: usize, first: usize, sums: &[[u8; LANES]]) {
+    pub(crate) fn hear<W: Wide>(
+        &mut self,
+        wide: W,
+        x: usize,
+        first: usize,
+        (sums, least): (&[[u8; LANES]], u8),
+    ) {
         let seen_first = self.padding.first(x) + first;
+        let (own, nothing) = (wide.splat(own(least)), wide.splat(NO_SHIFT));
         for (i, offer) in sums.iter().enumerate() {
             let place = first + i * LANES;
             // Beyond the last shift nothing is offered.
@@ -67,14 +87,16 @@ impl OtherEye {
                 return;
             };
             let places = wide.add(wide.load(&FIRST_PLACES), wide.splat((place % BLOCK) as u8));
-            let (offer, held) = (wide.load(offer), wide.load(least));
+            let (sum, held) = (wide.load(offer), wide.load(least));
+            // What is no shift asks for everything.
+            let offer = wide.if_less(sum, nothing, wide.sub(sum, own), nothing);
             let chosen = wide.if_less(offer, held, places, wide.load(best));
             wide.store(chosen, best);
             wide.store(wide.min(offer, held), least);
         }
     }
 
-    /// The shift that leads to each pixel with the least sum, NaN where none does.
+    /// The shift that leads to each pixel with the least offer, NaN where none does.
     #[inline(always)]
     pub(crate) fn tell(&mut self, search: SearchRange, other_dx: &mut [f32]) {
         let width = other_dx.len();

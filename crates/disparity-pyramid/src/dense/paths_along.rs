@@ -177,11 +177,12 @@ fn walk_left<W: Wide, C: PixelCost, const N: usize>(
                 lowest = wide.min(lowest, sum);
                 wide.store(sum, &mut total[i]);
             });
+            let least = wide.least(lowest);
             if rows.other_dx.is_some() {
-                space.other.hear(wide, x, first, total);
+                space.other.hear(wide, x, first, (total, least));
             }
             let sums = &space.total[..places];
-            rows.margin[[row, x]] = space.won.note(wide, x, (first, sums), wide.least(lowest));
+            rows.margin[[row, x]] = space.won.note(wide, x, (first, sums), least);
         }
     }
 }

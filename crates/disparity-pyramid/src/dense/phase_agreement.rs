@@ -9,6 +9,7 @@ use crate::dense::bank_rows::BankRows;
 use crate::dense::padding::Padding;
 use crate::dense::pixel_cost::{LANES, PixelCost, RowCost};
 use crate::dense::wide::Wide;
+use crate::rough::Rough;
 
 /// Orientations of the bank that the cost is taken from: more change nothing.
 pub(crate) const COST_ORIENTATIONS: usize = 4;
@@ -179,18 +180,18 @@ impl NormalisedRow<'_> {
     fn dispatch(self) {
         match Arch::new() {
             #[cfg(target_arch = "x86_64")]
-            Arch::V4(v4) => v4.vectorize(Compiled(self, *v4)),
+            Arch::V4(v4) => v4.vectorize(Compiled(self, *v4, v4)),
             #[cfg(target_arch = "x86_64")]
-            Arch::V3(v3) => v3.vectorize(Compiled(self, v3)),
-            _ => Compiled(self, Scalar).call(),
+            Arch::V3(v3) => v3.vectorize(Compiled(self, v3, v3)),
+            _ => Compiled(self, Scalar, Scalar).call(),
         }
     }
 
     /// Codes of as many pixels as they have parts: turned, so that the same part of all lies side by side.
     #[inline(always)]
-    fn code_square<M: Machine<PARTS>>(
+    fn code_square<M: Machine<PARTS>, S: Rough>(
         &mut self,
-        machine: M,
+        (machine, simd): (M, S),
         x: usize,
         square: &[[f32; PARTS]; PARTS],
     ) {
@@ -199,12 +200,26 @@ impl NormalisedRow<'_> {
             parts[i] = machine.load(&square[i]);
         }
         let parts = machine.turn(parts);
+        let mut gains = [0.0; COST_ORIENTATIONS * PARTS];
+        let (each, _) = gains.as_chunks_mut::<PARTS>();
+        for q in 0..COST_ORIENTATIONS {
+            let even = machine.store(parts[q]);
+            let odd = machine.store(parts[COST_ORIENTATIONS + q]);
+            for i in 0..PARTS {
+                each[q][i] = self.tells(even[i], odd[i]);
+            }
+        }
+        let full = simd.splat_f32s(self.full);
+        for gains in S::as_mut_simd_f32s(&mut gains).0 {
+            *gains = simd.mul_f32s(full, simd.rough_inverse_root(*gains));
+        }
+        let (each, _) = gains.as_chunks::<PARTS>();
         for q in 0..COST_ORIENTATIONS {
             let even = machine.store(parts[q]);
             let odd = machine.store(parts[COST_ORIENTATIONS + q]);
             let mut codes = [[0; 2]; PARTS];
             for i in 0..PARTS {
-                let gain = self.gain(even[i], odd[i]);
+                let gain = each[q][i];
                 codes[i] = [byte(even[i] * gain), byte(odd[i] * gain)];
             }
             let out = self.rows[q][x..].first_chunk_mut::<PARTS>();
@@ -212,32 +227,31 @@ impl NormalisedRow<'_> {
         }
     }
 
-    /// What a response is multiplied by. Silence over silence is silence.
+    /// The energy over whose root a response is taken. Silence over silence is silence.
     #[inline(always)]
-    fn gain(&self, even: f32, odd: f32) -> f32 {
-        let energy = even * even + odd * odd;
-        self.full / (energy + self.silent_energy).max(f32::MIN_POSITIVE).sqrt()
+    fn tells(&self, even: f32, odd: f32) -> f32 {
+        (even * even + odd * odd + self.silent_energy).max(f32::MIN_POSITIVE)
     }
 }
 
 /// One row's work, compiled for one machine.
-struct Compiled<'a, M>(NormalisedRow<'a>, M);
+struct Compiled<'a, M, S>(NormalisedRow<'a>, M, S);
 
-impl<M: Machine<PARTS>> NullaryFnOnce for Compiled<'_, M> {
+impl<M: Machine<PARTS>, S: Rough> NullaryFnOnce for Compiled<'_, M, S> {
     type Output = ();
 
     // Inlined into the function that is compiled for the vector unit; a call would leave it.
     #[inline(always)]
     fn call(self) {
-        let Self(mut row, machine) = self;
+        let Self(mut row, machine, simd) = self;
         let (squares, rest) = row.samples.as_chunks::<PARTS>();
         for (i, square) in squares.iter().enumerate() {
-            row.code_square(machine, i * PARTS, square);
+            row.code_square((machine, simd), i * PARTS, square);
         }
         for (i, sample) in rest.iter().enumerate() {
             for q in 0..COST_ORIENTATIONS {
                 let (even, odd) = (sample[q], sample[COST_ORIENTATIONS + q]);
-                let gain = row.gain(even, odd);
+                let gain = row.full / row.tells(even, odd).sqrt();
                 row.rows[q][squares.len() * PARTS + i] = [byte(even * gain), byte(odd * gain)];
             }
         }

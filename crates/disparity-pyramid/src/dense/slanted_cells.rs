@@ -4,10 +4,6 @@ use rayon::prelude::*;
 
 use crate::dense::neighbour_planes::{LANES, Lanes, Neighbour, NeighbourPlanes, faded, lanes};
 
-/// Every so many pixels, along rows and columns, a neighbour is asked: a quarter of the time, and
-/// neighbours know little that theirs do not.
-pub(crate) const STRIDE: usize = 2;
-
 /// Colour difference, in steps of 8 bits, at which a neighbour counts a third.
 const COLOUR: f32 = 0.08 * 255.0;
 
@@ -156,7 +152,7 @@ mod tests {
         let mut planes = NeighbourPlanes::default();
         planes.take_in(&guide, &validity, &Array2::ones(dx.dim()), RADIUS);
         planes.take_shifts(dx.view());
-        let around = neighbours(RADIUS, STRIDE, DISTANCE_PX);
+        let around = neighbours(RADIUS, (2, false), DISTANCE_PX);
         let (mut found, mut moved) = (dx.clone(), Array2::zeros(dx.dim()));
         fit_surfaces(&mut found, &planes, &around, &mut moved);
         (found, moved)

@@ -185,7 +185,7 @@ mod tests {
         planes.take_in(&guide, &validity, &Array2::ones(dx.dim()), RADIUS);
         planes.take_shifts(dx.view());
         let mut ranges = LocalRange::default();
-        let around = neighbour_planes::neighbours(RADIUS, 1, DISTANCE_PX);
+        let around = neighbour_planes::neighbours(RADIUS, (1, false), DISTANCE_PX);
         let (mut found, mut moved) = (dx.clone(), Array2::zeros(dx.dim()));
         let ranges = ranges.of(dx.view());
         choose_surfaces(&mut found, &planes, &around, ranges, &mut moved);

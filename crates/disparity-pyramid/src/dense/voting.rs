@@ -1,7 +1,10 @@
+use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 use crate::SearchRange;
+use crate::dense::bands;
 use crate::dense::cross_arms::CrossArms;
+use crate::dense::fitted::numbers;
 use crate::dense::nearest::nearest;
 use crate::dense::partial_field::{PartialField, is_hidden};
 
@@ -20,42 +23,60 @@ const HIDDEN_NEARER_PX: f32 = 1.0;
 /// the mean of the shifts in the fullest whole-pixel bin, of equally full ones the farthest. A hidden
 /// pixel takes none that is nearer than what lies behind it. Beyond the image's rim nobody votes: what is
 /// seen there goes on as it does beside it, and the many who are elsewhere know less of that.
-pub(crate) fn vote(field: &mut PartialField, arms: &CrossArms, search: SearchRange) {
-    let height = field.dx.nrows();
-    let ballots = ballots(field, search);
-    let elected: Vec<Vec<(usize, f32)>> = (0..height)
-        .into_par_iter()
-        .map_init(
-            || vec![[0; BOXES]; search.shifts() + 1],
-            |boxes, y| {
-                let mut elected = Vec::new();
-                for hole in field.holes(y).filter(|hole| !hole.is_at_rim()) {
-                    let behind = hole.behind().unwrap_or(f32::NEG_INFINITY);
-                    for x in hole.columns {
-                        let Some(winner) = elect(arms, &ballots, boxes, (x, y)) else {
-                            continue;
-                        };
-                        let winner = search.least_dx() as f32 + winner;
-                        let seen_by_both = !is_hidden(field.validity[[y, x]]);
-                        if seen_by_both || winner >= behind - HIDDEN_NEARER_PX {
-                            elected.push((x, winner));
-                        }
+pub(crate) fn vote(
+    field: &mut PartialField,
+    arms: &CrossArms,
+    search: SearchRange,
+    room: &mut VoteRoom,
+) {
+    let (height, width) = field.dx.dim();
+    let VoteRoom { ballots, bands } = room;
+    take_ballots(field, search, ballots);
+    let (bands, rows) = bands::bands(bands, height);
+    bands.par_iter_mut().enumerate().for_each(|(i, band)| {
+        let BandRoom { boxes, elected } = band;
+        elected.clear();
+        boxes.resize((search.shifts() + 1).max(boxes.len()), [0; BOXES]);
+        for y in (i * rows).min(height)..((i + 1) * rows).min(height) {
+            for hole in field.holes(y).filter(|hole| !hole.is_at_rim()) {
+                let behind = hole.behind().unwrap_or(f32::NEG_INFINITY);
+                for x in hole.columns {
+                    let Some(winner) = elect(arms, ballots, boxes, (x, y)) else {
+                        continue;
+                    };
+                    let winner = search.least_dx() as f32 + winner;
+                    let seen_by_both = !is_hidden(field.validity[[y, x]]);
+                    if seen_by_both || winner >= behind - HIDDEN_NEARER_PX {
+                        elected.push((y * width + x, winner));
                     }
                 }
-                elected
-            },
-        )
-        .collect();
-    for (y, elected) in elected.into_iter().enumerate() {
-        for (x, winner) in elected {
-            (field.dx[[y, x]], field.known[[y, x]]) = (winner, true);
+            }
         }
+    });
+    let (dx, known) = (numbers(&mut field.dx), numbers(&mut field.known));
+    for (place, winner) in bands.iter().flat_map(|band| &band.elected) {
+        (dx[*place], known[*place]) = (*winner, true);
     }
 }
 
-/// What a pixel says in all elections that it takes part in: the bin of its shift, and where in the
-/// bin the shift lies.
-#[derive(Clone, Copy, Debug)]
+/// What voting works in, kept from field to field.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct VoteRoom {
+    ballots: Vec<Ballot>,
+    bands: Vec<BandRoom>,
+}
+
+/// What a band of rows takes.
+#[derive(Clone, Debug, Default)]
+struct BandRoom {
+    boxes: Vec<[u64; BOXES]>,
+    /// The places of pixels that an election was carried for, and their shifts.
+    elected: Vec<(usize, f32)>,
+}
+
+/// What a pixel says in all elections that it takes part in: the bin of its shift, counted from 1 on, or
+/// 0 if it knows nothing, and where in the bin the shift lies.
+#[derive(Clone, Copy, Debug, Default)]
 struct Ballot {
     bin: u16,
     /// In parts of [`PARTS`], from half a pixel below the bin's own shift on.
@@ -72,48 +93,90 @@ const BOXES: usize = 2;
 /// A vote in the upper half of a count; below it the sum of what the ballots say beyond their bin.
 const VOTE: u64 = 1 << 32;
 
-/// The ballot of every pixel, row-major: filled in once, as each is cast many times. Those that know
-/// nothing vote for a bin of their own, after all others.
-fn ballots(field: &PartialField, search: SearchRange) -> Vec<Ballot> {
-    let least = search.least_dx() as f32;
-    let most = (search.shifts() - 1) as f32;
-    let shifts = field.dx.iter().zip(&field.known);
-    let ballot = |(dx, known): (&f32, &bool)| {
-        let bin = nearest(dx - least).clamp(0.0, most);
-        let beyond = (dx - least - bin + 0.5).clamp(0.0, 1.0);
-        Ballot {
-            bin: if *known { bin } else { most + 1.0 } as u16,
-            beyond: (beyond * PARTS + 0.5) as u16,
-        }
+/// The ballot of every pixel, row-major: filled in once, as each is cast many times.
+fn take_ballots(field: &PartialField, search: SearchRange, ballots: &mut Vec<Ballot>) {
+    let width = field.dx.ncols();
+    let (Some(dx), Some(known)) = (field.dx.as_slice(), field.known.as_slice()) else {
+        unreachable!("planes are made in row-major order")
     };
-    shifts.map(ballot).collect()
+    ballots.resize(dx.len(), Ballot::default());
+    ballots
+        .par_chunks_mut(width)
+        .zip(dx.par_chunks(width).zip(known.par_chunks(width)))
+        .for_each(|(ballots, (dx, known))| {
+            Arch::new().dispatch(FillIn {
+                dx,
+                known,
+                search,
+                ballots,
+            });
+        });
+}
+
+/// A row of shifts, whether they are known, and the ballots that say so.
+struct FillIn<'a> {
+    dx: &'a [f32],
+    known: &'a [bool],
+    search: SearchRange,
+    ballots: &'a mut [Ballot],
+}
+
+impl NullaryFnOnce for FillIn<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let length = self.ballots.len();
+        let (dx, known) = (&self.dx[..length], &self.known[..length]);
+        let least = self.search.least_dx() as f32;
+        let most = (self.search.shifts() - 1) as f32;
+        for i in 0..length {
+            let bin = nearest(dx[i] - least).clamp(0.0, most);
+            let beyond = (dx[i] - least - bin + 0.5).clamp(0.0, 1.0);
+            let bin = if known[i] { bin + 1.0 } else { 0.0 };
+            self.ballots[i] = Ballot {
+                bin: bin as u16,
+                beyond: (beyond * PARTS + 0.5) as u16,
+            };
+        }
+    }
 }
 
 /// The shift, counted from the least of the search, that carries the election among the known pixels
-/// of a surface. The last of `boxes` takes the ballots of those that know nothing.
+/// of a surface. `boxes` are empty before and after; the first takes the ballots of those that know
+/// nothing.
 fn elect(
     arms: &CrossArms,
     ballots: &[Ballot],
     boxes: &mut [[u64; BOXES]],
     (x, y): (usize, usize),
 ) -> Option<f32> {
-    boxes.fill([0; BOXES]);
+    // The boxes that hold ballots of those that know something.
+    let (mut first, mut last) = (u16::MAX, 0);
     for run in arms.region(x, y).step_by(ROWS) {
         for two_pairs in ballots[run].chunks(2 * BOXES) {
             for (i, ballot) in two_pairs.iter().take(BOXES).enumerate() {
                 boxes[usize::from(ballot.bin)][i] += VOTE + u64::from(ballot.beyond);
+                first = first.min(ballot.bin.wrapping_sub(1));
+                last = last.max(ballot.bin);
             }
         }
     }
-    let (_, known) = boxes.split_last()?;
+    boxes[0] = [0; BOXES];
+    if last == 0 {
+        return None;
+    }
+    let first = usize::from(first);
+    let cast = &mut boxes[first + 1..=usize::from(last)];
     let (mut votes, mut fullest, mut winner) = (0, 0, 0);
-    for (bin, count) in known.iter().enumerate() {
+    for (bin, count) in (first..).zip(&*cast) {
         let count: u64 = count.iter().sum();
         votes += count / VOTE;
         if count / VOTE >= fullest / VOTE {
             (fullest, winner) = (count, bin);
         }
     }
+    cast.fill([0; BOXES]);
     let most = fullest / VOTE;
     let carried = most > LEAST_VOTES && most as f32 > LEAST_SHARE * votes as f32;
     let beyond = (fullest % VOTE) as f32 / (PARTS * most as f32) - 0.5;
@@ -192,7 +255,7 @@ mod tests {
             let luma = Array2::from_shape_simple_fn(dim, || random(12) as f32 / 255.0);
             let mut guide = Guide::default();
             guide.take_in(&EyeView::grey(&LumaImage::new(luma).unwrap()), false, 1.0);
-            let arms = CrossArms::of(&guide);
+            let mut arms = CrossArms::default();
             let search = SearchRange::new(least, least + shifts as i32 - 1).unwrap();
             // Few surfaces, so that most elections are carried; no shift lies between two bins.
             let levels: Vec<u64> = (0..surfaces).map(|_| random(shifts)).collect();
@@ -207,8 +270,9 @@ mod tests {
                 _ => Validity::Valid,
             });
             let before = PartialField::new(dx, validity, Array2::default(dim));
+            arms.take_in(&guide, &before.known);
             let mut after = before.clone();
-            vote(&mut after, &arms, search);
+            vote(&mut after, &arms, search, &mut VoteRoom::default());
             for y in 0..height {
                 for x in 0..width {
                     let own = before.dx[[y, x]];
