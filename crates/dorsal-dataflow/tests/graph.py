@@ -69,7 +69,13 @@ def logged(out: pathlib.Path) -> dict[str, list[dict]]:
     with open(out / "log.mcap", "rb") as file:
         for _, channel, message in make_reader(file).iter_messages():
             messages.setdefault(channel.topic.strip("/"), []).append(json.loads(message.data))
-    assert {name: len(those) for name, those in messages.items()} == status(out, "log")["messages"]
+    counted = status(out, "log")
+    assert {name: len(those) for name, those in messages.items()} == counted["messages"]
+    for name, missed in counted["missed"].items():
+        sent: dict[tuple, set] = {}
+        for report in messages[name]:
+            sent.setdefault((report["robot"], report["run"]), set()).add(report["seq"])
+        assert missed == sum(max(numbers) - len(numbers) for numbers in sent.values())
     return messages
 
 

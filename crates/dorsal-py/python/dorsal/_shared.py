@@ -71,7 +71,8 @@ class SharedMap:
         return self._native.roster()
 
     def snapshot(self) -> None:
-        """Writes the map as a snapshot and begins a new journal; done every 10 000 reports without being asked."""
+        """Writes the map as a snapshot and begins a new journal; done without being asked after 10 000 reports, or
+        100 for each robot if that is more."""
         self._native.snapshot()
 
 
