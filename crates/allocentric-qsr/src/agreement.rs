@@ -26,6 +26,28 @@ pub struct Agreement {
     pub landmarks: Vec<ObjectId>,
     /// The objects whose places no such motion brings together, by name.
     pub disputed: Vec<Disputed>,
+    /// The objects that stand where the one robot has them and are gone from there for the other, by name.
+    pub gone: Vec<Gone>,
+}
+
+/// An object that one robot has found gone from the place where another has it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Gone {
+    /// The object.
+    pub object: ObjectId,
+    /// Whether it is gone for this robot and there for the other; else it is there for this one.
+    pub is_here: bool,
+    /// Where this robot has it, or had it, `[right, forward]` in its frame, in metres.
+    pub here_m: [f64; 2],
+    /// Where the other has it, or had it, carried into this robot's frame, in metres.
+    pub there_m: [f64; 2],
+    /// When the one that believes in it saw it last, in milliseconds.
+    pub seen_ms: u64,
+    /// When the other found that it was gone, in milliseconds.
+    pub gone_ms: u64,
+    /// How many standard errors the two places lie apart: within the gate, for else it may have gone from the one
+    /// place to the other.
+    pub sigmas: f64,
 }
 
 /// An object that one robot has here and another there.
@@ -50,16 +72,18 @@ impl SceneMemory {
     /// Compares what this robot and another have seen: the largest set of shared objects that one motion of the plane
     /// takes from the other's frame into this one, and the objects that it does not.
     ///
-    /// With fewer than two shared objects nothing can be compared and both lists are empty. If all agree, nothing is
+    /// With fewer than two shared objects nothing can be compared and the lists are empty. If all agree, nothing is
     /// disputed. If not, the motions through each two are tried on all (the 24 seen last, where there are more),
     /// and the one that most agree with is taken, if that is three or more; else all are disputed.
     /// The gate is [`MemoryParams::gate_sigmas`](crate::MemoryParams::gate_sigmas).
+    ///
+    /// What one robot believes in and the other has found gone is compared through the same motion, if there is one:
+    /// it contradicts if both mean the same place.
     #[must_use]
     pub fn agreement(&self, other: &Self) -> Agreement {
-        let believed = |life: Life| !matches!(life, Life::Stale | Life::Missing | Life::Removed);
         let shared = other.objects.iter().filter_map(|(name, there)| {
             let here = self.objects.get(name)?;
-            if !(believed(here.life) && believed(there.life)) {
+            if !(believes(here.life) && believes(there.life)) {
                 return None;
             }
             let places = there
@@ -99,11 +123,46 @@ impl SceneMemory {
                 sigmas: carried.map(|place| mahalanobis_squared(&place, to).sqrt()),
             }
         });
+        let gone = join.as_ref().map(|join| self.gone(other, join, gate));
         Agreement {
             landmarks,
             disputed: disputed.collect(),
+            gone: gone.unwrap_or_default(),
         }
     }
+
+    /// The objects that one of two robots believes in and the other has found gone from the same place.
+    fn gone(&self, other: &Self, join: &FrameJoin, gate: f64) -> Vec<Gone> {
+        let gone = other.objects.iter().filter_map(|(name, there)| {
+            let here = self.objects.get(name)?;
+            let (is_here, gone_ms, believer) = match (here.given_up_ms, there.given_up_ms) {
+                (Some(gone_ms), None) => (true, gone_ms, there),
+                (None, Some(gone_ms)) => (false, gone_ms, here),
+                _ => return None,
+            };
+            if !believes(believer.life) {
+                return None;
+            }
+            let to = here.places.get(&self.frame)?;
+            let carried = join.moved(there.places.get(&other.frame)?);
+            let sigmas = mahalanobis_squared(&carried, to).sqrt();
+            (sigmas <= gate).then(|| Gone {
+                object: name.clone(),
+                is_here,
+                here_m: to.position_m(),
+                there_m: carried.position_m(),
+                seen_ms: believer.last_time_ms,
+                gone_ms,
+                sigmas,
+            })
+        });
+        gone.collect()
+    }
+}
+
+/// Whether a memory holds that an object of this life is where it was seen.
+const fn believes(life: Life) -> bool {
+    !matches!(life, Life::Stale | Life::Missing | Life::Removed)
 }
 
 fn fit<'a>(landmarks: impl Iterator<Item = &'a Landmark>, gate: f64) -> Option<FrameJoin> {

@@ -14,7 +14,8 @@ impl SceneMemory {
     ///
     /// An object takes its life, its size and its times from whoever saw it last. Where two robots contradict each
     /// other ([`SceneMemory::agreement`]), the older of the two places is left out: the newer one holds, and the
-    /// contradiction is for [`SceneMemory::agreement`] to report. Facts of all are facts.
+    /// contradiction is for [`SceneMemory::agreement`] to report. Where one has found gone what another saw before in
+    /// the same place, it is gone; where the other saw it after, it is there. Facts of all are facts.
     ///
     /// The result is for questions: a look it takes in belongs to no robot. An object that both have seen is one
     /// object if it bears one name.
@@ -26,17 +27,29 @@ impl SceneMemory {
         let mut objects: BTreeMap<ObjectId, MemoryObject> = BTreeMap::new();
         let mut facts = self.facts.clone();
         let mut first_frame = 0;
-        let disputes: Vec<_> = others.iter().map(|m| self.agreement(m).disputed).collect();
-        for (other, disputed) in others.iter().zip(&disputes) {
+        let mut own_gone: BTreeSet<&ObjectId> = BTreeSet::new();
+        let agreements: Vec<_> = others.iter().map(|m| self.agreement(m)).collect();
+        for (other, agreement) in others.iter().zip(&agreements) {
             let mut old: BTreeSet<&ObjectId> = BTreeSet::new();
-            for dispute in disputed {
+            let mut gone: BTreeSet<&ObjectId> = BTreeSet::new();
+            for found in &agreement.gone {
+                if found.gone_ms > found.seen_ms {
+                    let of = if found.is_here {
+                        &mut gone
+                    } else {
+                        &mut own_gone
+                    };
+                    of.insert(&found.object);
+                }
+            }
+            for dispute in &agreement.disputed {
                 if dispute.there_time_ms > dispute.here_time_ms {
                     own_old.insert(&dispute.object);
                 } else {
                     old.insert(&dispute.object);
                 }
             }
-            other.add_to(&mut objects, first_frame, looks, &old);
+            other.add_to(&mut objects, first_frame, looks, &old, &gone);
             first_frame += other.frame + 1;
             for fact in &other.facts {
                 if !facts.contains(fact) {
@@ -44,7 +57,7 @@ impl SceneMemory {
                 }
             }
         }
-        self.add_to(&mut objects, first_frame, looks, &own_old);
+        self.add_to(&mut objects, first_frame, looks, &own_old, &own_gone);
         let others_ms = others.iter().map(|m| m.time_ms).max().unwrap_or(0);
         Self {
             reference: self.reference.clone(),
@@ -61,17 +74,22 @@ impl SceneMemory {
     }
 
     /// Adds the objects of this memory, its frames counted from `first_frame` on and its looks as the last ones of
-    /// `looks`, but for the present places of what is `old`.
+    /// `looks`, but for the present places of what is `old`; what is `gone` is a tombstone, whatever this memory
+    /// believes.
     fn add_to(
         &self,
         objects: &mut BTreeMap<ObjectId, MemoryObject>,
         first_frame: u32,
         looks: u64,
         old: &BTreeSet<&ObjectId>,
+        gone: &BTreeSet<&ObjectId>,
     ) {
         for (name, kept) in &self.objects {
             let mut kept = kept.clone();
             kept.last_look += looks - self.looks;
+            if gone.contains(name) {
+                kept.life = Life::Removed;
+            }
             let places = std::mem::take(&mut kept.places);
             let held = |frame: u32| frame != self.frame || !old.contains(name);
             let places: Vec<_> = places

@@ -177,12 +177,13 @@ mod scene_memory;
 mod sighting;
 mod squared_bounds;
 mod tell;
+mod together;
 mod told_fact;
 mod triangle_table;
 mod word_table;
 mod words;
 
-pub use agreement::{Agreement, Disputed};
+pub use agreement::{Agreement, Disputed, Gone};
 pub use allocentric_map::{AllocentricMap, Inconsistent, Moved, Remembered};
 pub use answer::Answer;
 pub use ask::Unanswerable;

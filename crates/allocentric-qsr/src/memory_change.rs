@@ -74,15 +74,20 @@ impl fmt::Display for Change {
     }
 }
 
-/// Gives an object another life, and says so if it differs.
+/// Gives an object another life in the look of this time, and says so if it differs.
 pub(crate) fn become_(
     object: ObjectId,
     kept: &mut MemoryObject,
     to: Life,
+    time_ms: u64,
     changes: &mut Vec<Change>,
 ) {
     let from = kept.life;
     kept.life = to;
+    kept.given_up_ms = match to {
+        Life::Missing | Life::Removed => kept.given_up_ms.or(Some(time_ms)),
+        _ => None,
+    };
     if from != to {
         changes.push(Change::Became { object, from, to });
     }

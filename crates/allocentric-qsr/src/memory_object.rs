@@ -21,6 +21,10 @@ pub struct MemoryObject {
     pub sightings: u64,
     /// How many looks in a row have shown free space in its place.
     pub misses: u32,
+    /// When it was first found not to be in its place, in milliseconds, if it is missing or removed: free space was
+    /// where it should be, often enough. Memories written before this was kept do not say.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub given_up_ms: Option<u64>,
     /// How often it has moved or come back from its tombstone.
     pub epoch: u32,
     /// The radius of the circle on the ground it stands in, in millimetres.

@@ -176,8 +176,9 @@ impl MemoryRecord {
     fn into_memory(self) -> Result<SceneMemory, BadMemory> {
         let params = self.params.check()?;
         for (name, kept) in &self.objects {
-            let seen =
-                (1..=self.looks).contains(&kept.last_look) && kept.last_time_ms <= self.time_ms;
+            let given_up = kept.given_up_ms.unwrap_or(kept.last_time_ms);
+            let seen = (1..=self.looks).contains(&kept.last_look)
+                && (kept.last_time_ms..=self.time_ms).contains(&given_up);
             let placed = kept
                 .places
                 .iter()
@@ -267,6 +268,7 @@ fn of_map(map: &AllocentricMap) -> Result<SceneMemory, BadMemory> {
                 last_time_ms: 0,
                 sightings: 1,
                 misses: 0,
+                given_up_ms: None,
                 epoch: 0,
                 radius_mm: 0,
                 height_mm: 0,

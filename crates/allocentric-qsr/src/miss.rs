@@ -38,6 +38,7 @@ impl SceneMemory {
                 .objects
                 .get(&name)
                 .is_some_and(|kept| self.trusts(kept.last_look));
+            let time_ms = self.time_ms;
             let Some(kept) = self.objects.get_mut(&name) else {
                 continue;
             };
@@ -65,7 +66,7 @@ impl SceneMemory {
                 Evidence::Occluded => Life::Occluded,
                 Evidence::OutOfView => Life::OutOfView,
             };
-            become_(name, kept, life, changes);
+            become_(name, kept, life, time_ms, changes);
         }
     }
 

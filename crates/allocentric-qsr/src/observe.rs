@@ -158,6 +158,7 @@ impl SceneMemory {
                     last_time_ms: 0,
                     sightings: 0,
                     misses: 0,
+                    given_up_ms: None,
                     epoch,
                     radius_mm: 0,
                     height_mm: 0,
@@ -205,7 +206,7 @@ impl SceneMemory {
         } else {
             Life::Tentative
         };
-        become_(name, kept, life, changes);
+        become_(name, kept, life, time_ms, changes);
     }
 
     /// Lets the oldest tombstones go where there are too many.

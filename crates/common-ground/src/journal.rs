@@ -7,8 +7,12 @@ use allocentric_qsr::{BadMemoryParams, DepthReference, MemoryParams};
 use crate::shared_record::BadSharedMap;
 use crate::{Receipt, Report, SharedMap};
 
-/// How many reports go into one journal before the map is written as a snapshot and a new journal begun.
+/// How many reports at the least go into one journal before the map is written as a snapshot and a new journal begun.
 const REPORTS_TO_SNAPSHOT: u64 = 10_000;
+
+/// And how many of each robot in the mean: a snapshot takes the longer the more robots there are, and reports wait for
+/// it, so that it must not come the more often too. At 10 Hz this is one in ten seconds.
+const REPORTS_A_ROBOT: u64 = 100;
 
 /// What the acknowledged outlives.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -171,7 +175,8 @@ impl Journal {
         self.bytes += lines.len() as u64;
         self.reports += reports.len() as u64;
         let receipts = reports.iter().map(|report| self.map.take(report)).collect();
-        if self.reports >= REPORTS_TO_SNAPSHOT {
+        let robots = self.map.robots().count() as u64;
+        if self.reports >= REPORTS_TO_SNAPSHOT.max(REPORTS_A_ROBOT * robots) {
             self.snapshot()?;
         }
         Ok(receipts)

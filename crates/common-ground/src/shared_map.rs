@@ -1,12 +1,12 @@
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use allocentric_qsr::{
-    BadMemoryParams, DepthReference, MemoryLine, MemoryParams, MemoryReply, ObjectId, Policy,
-    SceneMemory,
+    BadMemoryParams, DepthReference, MemoryLine, MemoryParams, MemoryReply, Policy, SceneMemory,
 };
 
 use crate::receipt::{Receipt, Verdict};
 use crate::robot_memory::RobotMemory;
+use crate::roster::Roster;
 use crate::{Report, RobotId};
 
 /// The parameters of a memory that is shared: what a robot sees is believed, free ground stays with the robot that
@@ -34,7 +34,7 @@ pub struct SharedMap {
     pub(crate) params: MemoryParams,
     pub(crate) robots: BTreeMap<RobotId, RobotMemory>,
     /// Which robots have seen an object, so that a question finds them; gone things included.
-    pub(crate) seen_by: BTreeMap<ObjectId, BTreeSet<RobotId>>,
+    pub(crate) roster: Roster,
 }
 
 impl SharedMap {
@@ -48,8 +48,28 @@ impl SharedMap {
             reference: reference.clone(),
             params,
             robots: BTreeMap::new(),
-            seen_by: BTreeMap::new(),
+            roster: Roster::default(),
         })
+    }
+
+    /// A map made like this one, of these robots.
+    pub(crate) fn of_robots(
+        &self,
+        robots: impl IntoIterator<Item = (RobotId, RobotMemory)>,
+    ) -> Self {
+        let robots: BTreeMap<RobotId, RobotMemory> = robots.into_iter().collect();
+        let mut roster = Roster::default();
+        for (robot, kept) in &robots {
+            for (object, _) in kept.memory.objects() {
+                roster.add(robot, object);
+            }
+        }
+        Self {
+            reference: self.reference.clone(),
+            params: self.params,
+            robots,
+            roster,
+        }
     }
 
     /// The robots that have reported, by name.
@@ -112,14 +132,7 @@ impl SharedMap {
             MemoryReply::Changes(changes) => {
                 if let MemoryLine::Look(look) = &report.line {
                     for seen in &look.seen {
-                        if !self
-                            .seen_by
-                            .get(&seen.object)
-                            .is_some_and(|by| by.contains(&report.robot))
-                        {
-                            let by = self.seen_by.entry(seen.object.clone()).or_default();
-                            by.insert(report.robot.clone());
-                        }
+                        self.roster.add(&report.robot, &seen.object);
                     }
                 }
                 receipt(lost, Verdict::Taken { changes })

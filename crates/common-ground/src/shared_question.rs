@@ -1,14 +1,11 @@
 //! Questions of one robot to what all have seen.
 
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::collections::BTreeSet;
 
 use allocentric_qsr::{Answer, BadQuery, ObjectId, Observer, Query, SceneMemory, Unanswerable};
 
 use crate::contradiction::{Contradiction, Witness};
 use crate::{RobotId, SharedMap};
-
-/// Two landmarks join two frames.
-const LANDMARKS: usize = 2;
 
 /// The most robots whose memory of one object is read for a question about it, those that saw it last.
 const MOST_WITNESSES: usize = 4;
@@ -51,7 +48,7 @@ impl SharedMap {
     #[must_use]
     pub fn view(&self, robot: &RobotId) -> Option<SceneMemory> {
         let own = &self.robots.get(robot)?.memory;
-        let ways = self.ways(robot, |_| false);
+        let ways = self.roster.ways(robot, None);
         let others = ways.keys().filter(|other| **other != robot);
         Some(own.beside(others.map(|other| &self.robots[other].memory)))
     }
@@ -68,21 +65,7 @@ impl SharedMap {
         if wanted.is_empty() {
             return Some(own.clone());
         }
-        let missing = std::cell::RefCell::new(wanted.clone());
-        let ways = self.ways(robot, |reached| {
-            missing.borrow_mut().remove(reached);
-            missing.borrow().is_empty()
-        });
-        let mut read: BTreeSet<&RobotId> = BTreeSet::new();
-        for witness in wanted {
-            let mut at = witness;
-            while at != robot
-                && let Some(before) = ways.get(at)
-            {
-                read.insert(at);
-                at = before;
-            }
-        }
+        let read = self.roster.between(robot, &wanted);
         Some(own.beside(read.into_iter().map(|other| &self.robots[other].memory)))
     }
 
@@ -92,30 +75,38 @@ impl SharedMap {
         let mut found = Vec::new();
         for (one, kept) in &self.robots {
             for other in self
+                .roster
                 .companions(one)
                 .into_iter()
                 .filter(|other| *other > one)
             {
                 let agreement = kept.memory.agreement(&self.robots[other].memory);
-                found.extend(
-                    agreement
-                        .disputed
-                        .into_iter()
-                        .map(|disputed| Contradiction {
-                            object: disputed.object,
-                            one: Witness {
-                                robot: one.clone(),
-                                place_m: Some(disputed.here_m),
-                                time_ms: disputed.here_time_ms,
-                            },
-                            other: Witness {
-                                robot: other.clone(),
-                                place_m: disputed.there_m,
-                                time_ms: disputed.there_time_ms,
-                            },
-                            sigmas: disputed.sigmas,
-                        }),
-                );
+                let witness = |robot: &RobotId, place_m, time_ms, is_gone| Witness {
+                    robot: robot.clone(),
+                    place_m,
+                    time_ms,
+                    is_gone,
+                };
+                let disputed = agreement.disputed.into_iter();
+                found.extend(disputed.map(|dispute| Contradiction {
+                    object: dispute.object,
+                    one: witness(one, Some(dispute.here_m), dispute.here_time_ms, false),
+                    other: witness(other, dispute.there_m, dispute.there_time_ms, false),
+                    sigmas: dispute.sigmas,
+                }));
+                found.extend(agreement.gone.into_iter().map(|gone| {
+                    let (here_ms, there_ms) = if gone.is_here {
+                        (gone.gone_ms, gone.seen_ms)
+                    } else {
+                        (gone.seen_ms, gone.gone_ms)
+                    };
+                    Contradiction {
+                        object: gone.object,
+                        one: witness(one, Some(gone.here_m), here_ms, gone.is_here),
+                        other: witness(other, Some(gone.there_m), there_ms, !gone.is_here),
+                        sigmas: Some(gone.sigmas),
+                    }
+                }));
             }
         }
         found
@@ -123,11 +114,9 @@ impl SharedMap {
 
     /// The robots that saw an object last, newest first; the robot itself counts.
     fn witnesses(&self, robot: &RobotId, object: &ObjectId) -> Vec<&RobotId> {
-        let Some(seen_by) = self.seen_by.get(object) else {
-            return Vec::new();
-        };
-        let mut seen: Vec<(u64, bool, &RobotId)> = seen_by
-            .iter()
+        let mut seen: Vec<(u64, bool, &RobotId)> = self
+            .roster
+            .seen_by(object)
             .filter_map(|by| {
                 let kept = self.robots[by].memory.object(object)?;
                 Some((kept.last_time_ms, by == robot, by))
@@ -139,52 +128,10 @@ impl SharedMap {
             .map(|(_, _, by)| by)
             .collect()
     }
-
-    /// The robots that share landmarks with this one.
-    fn companions(&self, robot: &RobotId) -> BTreeSet<&RobotId> {
-        let mut shared: BTreeMap<&RobotId, usize> = BTreeMap::new();
-        let objects = self.robots[robot].memory.objects();
-        for by in objects.filter_map(|(name, _)| self.seen_by.get(name)) {
-            for other in by {
-                *shared.entry(other).or_default() += 1;
-            }
-        }
-        let enough = shared.into_iter().filter(|(_, count)| *count >= LANDMARKS);
-        enough
-            .map(|(other, _)| other)
-            .filter(|other| *other != robot)
-            .collect()
-    }
-
-    /// From each robot that landmarks may join to this one, the next on the shortest way there; the search ends where
-    /// `found` says that enough are reached.
-    fn ways(
-        &self,
-        robot: &RobotId,
-        found: impl Fn(&RobotId) -> bool,
-    ) -> BTreeMap<&RobotId, &RobotId> {
-        let Some((start, _)) = self.robots.get_key_value(robot) else {
-            return BTreeMap::new();
-        };
-        let mut ways = BTreeMap::from([(start, start)]);
-        let mut reached = VecDeque::from([start]);
-        while let Some(at) = reached.pop_front() {
-            for next in self.companions(at) {
-                if !ways.contains_key(next) {
-                    ways.insert(next, at);
-                    if found(next) {
-                        return ways;
-                    }
-                    reached.push_back(next);
-                }
-            }
-        }
-        ways
-    }
 }
 
 /// The objects a question is about; `None` if it is about whatever is there.
-fn named(query: &Query) -> Option<Vec<&ObjectId>> {
+pub(crate) fn named(query: &Query) -> Option<Vec<&ObjectId>> {
     match query {
         Query::Relation {
             of,

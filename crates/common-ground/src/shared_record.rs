@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use allocentric_qsr::{BadMemory, BadMemoryParams, DepthReference, MemoryParams, SceneMemory};
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
+use serde_json::value::RawValue;
 
 use crate::robot_memory::RobotMemory;
 use crate::{RobotId, SharedMap};
@@ -48,7 +48,15 @@ struct RobotRecord {
     seq: u64,
     lost: u64,
     refused: u64,
-    memory: Value,
+    /// The text of the memory: it is neither read nor written twice.
+    memory: Box<RawValue>,
+}
+
+/// The one field that every schema has.
+#[derive(Deserialize)]
+struct OnlySchema {
+    #[serde(default)]
+    schema: String,
 }
 
 impl SharedMap {
@@ -60,7 +68,7 @@ impl SharedMap {
     #[must_use]
     pub fn to_json(&self) -> String {
         let robots = self.robots.iter().map(|(robot, kept)| {
-            let memory = serde_json::from_str(&kept.memory.to_json());
+            let memory = RawValue::from_string(kept.memory.to_json());
             let record = RobotRecord {
                 run: kept.last.0,
                 seq: kept.last.1,
@@ -85,22 +93,18 @@ impl SharedMap {
     /// [`BadSharedMap`] says what is wrong; no half-read map comes out.
     pub fn from_json(text: &str) -> Result<Self, BadSharedMap> {
         let json = |error: serde_json::Error| BadSharedMap::Json(error.to_string());
-        let value: Value = serde_json::from_str(text).map_err(json)?;
-        let schema = value.get("schema").and_then(Value::as_str).unwrap_or("");
+        let OnlySchema { schema } = serde_json::from_str(text).map_err(json)?;
         if schema != SCHEMA {
-            return Err(BadSharedMap::Schema(schema.to_owned()));
+            return Err(BadSharedMap::Schema(schema));
         }
-        let record: SharedRecord = serde_json::from_value(value).map_err(json)?;
-        let mut map = Self::new(&record.reference, record.params)?;
+        let record: SharedRecord = serde_json::from_str(text).map_err(json)?;
+        let map = Self::new(&record.reference, record.params)?;
+        let mut robots = BTreeMap::new();
         for (robot, kept) in record.robots {
-            let memory = SceneMemory::from_json(&kept.memory.to_string())
+            let memory = SceneMemory::from_json(kept.memory.get())
                 .map_err(|error| BadSharedMap::Memory(robot.clone(), error))?;
             if *memory.reference() != map.reference || memory.params() != map.params {
                 return Err(BadSharedMap::System(robot));
-            }
-            for (object, _) in memory.objects() {
-                let by = map.seen_by.entry(object.clone()).or_default();
-                by.insert(robot.clone());
             }
             let kept = RobotMemory {
                 last: (kept.run, kept.seq),
@@ -108,8 +112,8 @@ impl SharedMap {
                 refused: kept.refused,
                 memory,
             };
-            map.robots.insert(robot, kept);
+            robots.insert(robot, kept);
         }
-        Ok(map)
+        Ok(map.of_robots(robots))
     }
 }

@@ -148,6 +148,85 @@ fn a_contradiction_says_who_saw_what_and_when() {
     assert!(map.contradictions().is_empty());
 }
 
+/// What one robot sees standing and another has found gone from there is told with both, and the newer one holds.
+#[test]
+fn gone_for_one_and_there_for_another_is_a_contradiction() {
+    let view = Some(ViewLine {
+        half_rad: FRAC_PI_2,
+        reach_m: 5.0,
+    });
+    let bare: Vec<(&str, [f64; 2])> = ROOM
+        .into_iter()
+        .filter(|(name, _)| *name != "cup")
+        .collect();
+    let without_cup = |time_ms| {
+        let MemoryLine::Look(mut line) = look(A, time_ms, &bare) else {
+            unreachable!("a look is a look")
+        };
+        line.view = view;
+        MemoryLine::Look(line)
+    };
+    let mut map = empty();
+    map.take(&report("b", 1, look(B, 5, &ROOM)));
+    // Seen often enough to be believed in, then looked for in vain.
+    for seq in 1..=10 {
+        map.take(&report("a", seq, look(A, 10 * seq, &ROOM)));
+    }
+    assert!(map.contradictions().is_empty());
+    let mut first_missed = None;
+    for seq in 11..=30 {
+        map.take(&report("a", seq, without_cup(10 * seq)));
+        let given_up = alone(&map, "a").object(&"cup".into()).unwrap().given_up_ms;
+        first_missed = first_missed.or(given_up);
+    }
+    let [found] = &map.contradictions()[..] else {
+        panic!("one contradiction, not {:?}", map.contradictions())
+    };
+    assert_eq!(found.object.as_str(), "cup");
+    assert_eq!((found.one.robot.as_str(), found.one.is_gone), ("a", true));
+    assert_eq!(
+        (found.other.robot.as_str(), found.other.is_gone),
+        ("b", false)
+    );
+    assert_eq!(
+        (Some(found.one.time_ms), found.other.time_ms),
+        (first_missed, 5)
+    );
+    for witness in [&found.one, &found.other] {
+        let [right, forward] = witness.place_m.unwrap();
+        assert!((right - 1.0).hypot(forward - 2.5) < 0.02, "{found}");
+    }
+    let said = found.to_string();
+    assert!(
+        said.contains("a found it gone from (1.0") && said.contains("b saw it at (1.0"),
+        "{said}"
+    );
+    // It was gone after b saw it: so it is for both.
+    for robot in ["a", "b"] {
+        assert!(map.ask(&robot.into(), "where cup").is_err());
+    }
+    // b sees it again, later than a missed it: it is there, and a's word stands against that still.
+    map.take(&report("b", 2, look(B, 900, &ROOM)));
+    assert!((place(&map, "a", "cup").0[0] - 1.0).abs() < 0.02);
+    assert_eq!(map.contradictions().len(), 1);
+    // Elsewhere it may have gone to: that contradicts nothing.
+    let mut moved = ROOM;
+    moved[1].1 = [2.2, 1.5];
+    map.take(&report("b", 3, look(B, 1000, &moved)));
+    assert!(
+        map.contradictions().is_empty(),
+        "{:?}",
+        map.contradictions()
+    );
+    // And once a sees it there, it is gone for nobody.
+    map.take(&report("a", 31, look(A, 1100, &moved)));
+    assert!(map.contradictions().is_empty());
+    assert_eq!(
+        alone(&map, "a").object(&"cup".into()).unwrap().given_up_ms,
+        None
+    );
+}
+
 #[test]
 fn of_two_that_disagree_nobody_can_say_which_moved() {
     let mut map = empty();

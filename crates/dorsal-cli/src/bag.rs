@@ -9,7 +9,7 @@ use stereo_formats::picture::Picture;
 use stereo_formats::rig_toml::SizedRig;
 use stereo_formats::ros_camera_info::CameraInfo;
 use stereo_streams::{
-    Bag, BagMessage, Side, StampPairs, decode_camera, decode_image, image_stamp_ns, recorded_rig,
+    Bag, BagMessage, BagPairs, NoPair, decode_camera, decode_image, recorded_rig,
 };
 
 use crate::bag_arguments::BagArguments;
@@ -48,30 +48,23 @@ pub(crate) fn bag(arguments: &BagArguments, out: &mut dyn Write) -> anyhow::Resu
         inputs(arguments),
         out,
     )?;
-    let mut bag = open(path, [&*arguments.left, &*arguments.right])?;
-    let mut pairs = StampPairs::new((arguments.tolerance * 1e6) as u64);
+    let topics_of = Binocular {
+        left: &*arguments.left,
+        right: &*arguments.right,
+    };
+    let tolerance_ns = (arguments.tolerance * 1e6) as u64;
+    let mut pairs = BagPairs::new(source(path)?, topics_of, tolerance_ns);
     let mut met = Met::default();
     let mut ending = Ok(());
     while !stream.is_done() && !interruption.is_asked() {
-        let message = match bag.next() {
+        let (time_ns, pair) = match pairs.next() {
             None => break,
-            Some(Ok(message)) => message,
-            Some(Err(error)) => {
+            Some(Ok(pair)) => pair,
+            Some(Err(error @ NoPair::Bag(_))) => {
                 ending = Err(error).with_context(|| format!("{}", file()));
                 break;
             }
-        };
-        let side = if *message.topic == *arguments.left {
-            met.left += 1;
-            Side::Left
-        } else {
-            met.right += 1;
-            Side::Right
-        };
-        let stamp_ns = image_stamp_ns(&message.bytes)
-            .with_context(|| format!("{}: {}", file(), met.place(side, &message)))?;
-        let Some((time_ns, pair)) = pairs.push(side, stamp_ns, message) else {
-            continue;
+            Some(Err(error)) => return Err(error).with_context(|| format!("{}", file())),
         };
         met.pairs += 1;
         if !(met.pairs - 1).is_multiple_of(arguments.every) {
@@ -104,22 +97,22 @@ pub(crate) fn bag(arguments: &BagArguments, out: &mut dyn Write) -> anyhow::Resu
     let looks = stream.looks();
     stream.finish()?;
     console.clear();
-    let dropped = pairs.dropped();
+    let (came, dropped) = (pairs.came(), pairs.dropped());
     console.note(&format!(
         "{} left and {} right pictures, {} pairs, {looks} looks; {} left and {} right without a partner \
          within {} ms",
-        met.left, met.right, met.pairs, dropped.left, dropped.right, arguments.tolerance
+        came.left, came.right, met.pairs, dropped.left, dropped.right, arguments.tolerance
     ));
     ending?;
     if interruption.is_asked() {
         bail!("interrupted after {looks} looks, which are written");
     }
-    for (topic, count) in [(&arguments.left, met.left), (&arguments.right, met.right)] {
+    for (topic, count) in [(&arguments.left, came.left), (&arguments.right, came.right)] {
         ensure!(
             count > 0 || stopped(arguments, looks),
             "{} has no message on {topic}; {}",
             file(),
-            topics(&bag)
+            topics(pairs.bag())
         );
     }
     ensure!(
@@ -146,33 +139,18 @@ fn stopped(arguments: &BagArguments, looks: u64) -> bool {
 /// What was met in a bag so far.
 #[derive(Debug, Default)]
 struct Met {
-    left: u64,
-    right: u64,
     pairs: u64,
     broken: u64,
 }
 
-impl Met {
-    fn place(&self, side: Side, message: &BagMessage) -> String {
-        let number = match side {
-            Side::Left => self.left,
-            Side::Right => self.right,
-        };
-        format!("message {number} on {}, a {}", message.topic, message.kind)
-    }
-}
-
-fn open<'a>(
-    path: &Path,
-    topics: impl IntoIterator<Item = &'a str>,
-) -> anyhow::Result<Bag<BufReader<File>>> {
+fn source(path: &Path) -> anyhow::Result<BufReader<File>> {
     ensure!(
         !path.is_dir(),
         "{} is a folder; give the .mcap file in it",
         path.display()
     );
     let file = File::open(path).with_context(|| format!("{} cannot be opened", path.display()))?;
-    Ok(Bag::new(BufReader::new(file), topics))
+    Ok(BufReader::new(file))
 }
 
 /// The topics of a bag, for somebody who has named one that it does not have.
@@ -213,7 +191,7 @@ fn cameras(arguments: &BagArguments, console: &Console) -> anyhow::Result<Option
         _ => [&arguments.left, &arguments.right].map(|topic| beside(topic)),
     };
     console.step("looking for the cameras");
-    let mut bag = open(path, [&*left, &*right, &*arguments.left])?;
+    let mut bag = Bag::new(source(path)?, [&*left, &*right, &*arguments.left]);
     let mut found: [Option<CameraInfo>; 2] = [None, None];
     let mut pictures = 0;
     while found.iter().any(Option::is_none) {

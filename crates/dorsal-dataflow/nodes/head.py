@@ -1,41 +1,37 @@
-"""The head: stereo pairs of a folder, again and again, one message a pair so that its halves cannot part."""
+"""The head: stereo pairs of a source, one message a pair so that its halves, its rig and its labels cannot part."""
 
+import json
 import os
-import pathlib
 import time
 
-import dorsal
 import numpy as np
 import pyarrow as pa
 from dora import Node
 
+from source import pairs
 from status import write_status
 
 
-def noisy(picture: np.ndarray, sigma: float, seed: int) -> np.ndarray:
-    """The picture as a camera with this much noise would give it, in codes; the same for the same seed."""
-    if sigma == 0:
-        return picture
-    noise = np.random.default_rng(seed).normal(0, sigma, picture.shape)
-    return np.clip(np.rint(picture + noise), 0, 255).astype(np.uint8)
-
-
 def main() -> None:
-    folder = pathlib.Path(os.environ["DORSAL_PAIR"])
-    pairs = int(os.environ.get("DORSAL_PAIRS", "200"))
+    most = int(os.environ.get("DORSAL_PAIRS", "200"))
     interval_s = float(os.environ.get("DORSAL_INTERVAL_S", "0.4"))
-    sigma = float(os.environ.get("DORSAL_NOISE", "0"))
-    eyes = [dorsal.read_picture(folder / f"{eye}.png") for eye in ("left", "right")]
-    height, width, channels = eyes[0].shape
     node = Node()
     began = time.monotonic()
-    for seq in range(1, pairs + 1):
+    sent = 0
+    for seq, pair in zip(range(1, most + 1), pairs()):
         time.sleep(max(0.0, began + (seq - 1) * interval_s - time.monotonic()))
-        pair = np.stack([noisy(eye, sigma, 2 * seq + side) for side, eye in enumerate(eyes)])
-        about = {"seq": seq, "time_ms": time.time_ns() // 1_000_000}
-        shape = {"height": height, "width": width, "channels": channels}
-        node.send_output("pair", pa.array(pair.reshape(-1)), about | shape)
-    write_status("head", {"pairs": pairs})
+        height, width, channels = pair.left.shape
+        taken_ms = time.time_ns() // 1_000_000 if pair.time_ms is None else pair.time_ms
+        about = {"seq": seq, "time_ms": taken_ms, "height": height, "width": width, "channels": channels}
+        parts = [pair.left.reshape(-1), pair.right.reshape(-1)]
+        if pair.rig is not None:
+            about["rig"] = pair.rig
+        if pair.labels is not None:
+            parts.append(pair.labels.astype("<u2").reshape(-1).view(np.uint8))
+            about["names"] = json.dumps(pair.names)
+        node.send_output("pair", pa.array(np.concatenate(parts)), about)
+        sent = seq
+    write_status("head", {"pairs": sent})
 
 
 if __name__ == "__main__":

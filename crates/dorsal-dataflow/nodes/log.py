@@ -1,5 +1,9 @@
-"""The log: every message of the map's graph in an MCAP file, one JSON channel for each input."""
+"""The log: every message of the map's graph in an MCAP file, one JSON channel for each input.
 
+`log.json` counts the messages of each input, and the reports whose number was passed over: what the log itself missed.
+"""
+
+import json
 import os
 import pathlib
 import time
@@ -11,11 +15,27 @@ from message import text_of
 from status import write_status
 
 
+class Reports:
+    """The numbers of the reports that came, by robot and run; what is sent again counts once."""
+
+    def __init__(self) -> None:
+        self.came: dict[tuple[str, int], set[int]] = {}
+
+    def take(self, document: dict) -> None:
+        """Notes a report."""
+        self.came.setdefault((document["robot"], document["run"]), set()).add(document["seq"])
+
+    @property
+    def missed(self) -> int:
+        return sum(max(numbers) - len(numbers) for numbers in self.came.values())
+
+
 def main() -> None:
     path = pathlib.Path(os.environ["DORSAL_LOG"])
     path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_name(path.name + ".part")
     counts: dict[str, int] = {}
+    reports: dict[str, Reports] = {}
     with open(part, "wb") as file:
         writer = Writer(file)
         writer.start(library="dorsal-dataflow")
@@ -31,6 +51,8 @@ def main() -> None:
             if name not in channels:
                 channels[name] = writer.register_channel(f"/{name}", "json", schema)
             text = text_of(event)
+            if name.startswith("reports"):
+                reports.setdefault(name, Reports()).take(json.loads(text))
             now = time.time_ns()
             writer.add_message(channels[name], log_time=now, publish_time=now, data=text.encode(), sequence=counts.get(name, 0))
             counts[name] = counts.get(name, 0) + 1
@@ -38,7 +60,7 @@ def main() -> None:
         file.flush()
         os.fsync(file.fileno())
     part.replace(path)
-    write_status("log", {"messages": counts})
+    write_status("log", {"messages": counts, "missed": {name: those.missed for name, those in reports.items()}})
 
 
 if __name__ == "__main__":

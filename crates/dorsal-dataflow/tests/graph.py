@@ -11,7 +11,7 @@ import tempfile
 
 import dorsal
 import eyes
-import head
+import source
 from mcap.reader import make_reader
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
@@ -64,11 +64,18 @@ def status(out: pathlib.Path, node: str) -> dict:
 
 
 def logged(out: pathlib.Path) -> dict[str, list[dict]]:
-    """The messages of the log, by input."""
+    """The messages of the log, by input, each as often as the log node has counted it."""
     messages: dict[str, list[dict]] = {}
     with open(out / "log.mcap", "rb") as file:
         for _, channel, message in make_reader(file).iter_messages():
             messages.setdefault(channel.topic.strip("/"), []).append(json.loads(message.data))
+    counted = status(out, "log")
+    assert {name: len(those) for name, those in messages.items()} == counted["messages"]
+    for name, missed in counted["missed"].items():
+        sent: dict[tuple, set] = {}
+        for report in messages[name]:
+            sent.setdefault((report["robot"], report["run"]), set()).add(report["seq"])
+        assert missed == sum(max(numbers) - len(numbers) for numbers in sent.values())
     return messages
 
 
@@ -90,7 +97,7 @@ def line_of(pair: int, time_ms: int) -> dict:
     rig = dorsal.Rig.read(PAIR / "rig.toml")
     labels, names = dorsal.read_labels(PAIR / "labels.toml")
     pictures = [dorsal.read_picture(PAIR / f"{eye}.png") for eye in ("left", "right")]
-    noisy = [head.noisy(eye, 1, 2 * pair + side) for side, eye in enumerate(pictures)]
+    noisy = [source.noisy(eye, 1, 2 * pair + side) for side, eye in enumerate(pictures)]
     return eyes.look_line(dorsal.look(*noisy, rig=rig, labels=labels, names=names), time_ms)
 
 
@@ -108,6 +115,11 @@ def in_order(reports: list[dict]) -> list[dict]:
     return [{k: v for k, v in once[key].items() if k != "kept_from"} for key in sorted(once)]
 
 
+def variables(process: int) -> list[bytes]:
+    """The environment of a process."""
+    return pathlib.Path(f"/proc/{process}/environ").read_bytes().split(b"\0")
+
+
 def processes_of(out: pathlib.Path, node: str) -> list[int]:
     """The processes of this node of the graph that writes to `out`."""
     found = []
@@ -116,7 +128,7 @@ def processes_of(out: pathlib.Path, node: str) -> list[int]:
             continue
         try:
             call = (process / "cmdline").read_bytes().split(b"\0")
-            own = f"DORSAL_OUT={out}".encode() in (process / "environ").read_bytes().split(b"\0")
+            own = f"DORSAL_OUT={out}".encode() in variables(int(process.name))
         except OSError:
             continue
         if own and any(part.endswith(f"nodes/{node}.py".encode()) for part in call):
@@ -130,7 +142,7 @@ def check_looks(out: pathlib.Path, looks: int) -> None:
     assert status(out, "head")["pairs"] == looks
     # What the eyes had no time for is counted, and nothing else is missing.
     assert seen["pairs"] + seen["pairs_lost"] == looks, seen
-    assert seen["reports"] == seen["acknowledged"] == seen["pairs"]
+    assert seen["reports"] == seen["acknowledged"] == seen["pairs"] and seen["pairs_unseen"] == 0
     log = logged(out)
     reports = in_order(log["reports"])
     assert [report["seq"] for report in reports] == list(range(1, seen["pairs"] + 1))

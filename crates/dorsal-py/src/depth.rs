@@ -8,7 +8,7 @@ use ndarray::{Array2, Array3};
 use numpy::{IntoPyArray as _, PyArray2, PyArray3, PyReadonlyArray2};
 use pyo3::prelude::*;
 
-use crate::eye::Eye;
+use crate::eye::{Eye, Wanted};
 use crate::field::Field;
 use crate::look::named;
 use crate::plane_view::plane_view;
@@ -154,7 +154,7 @@ pub(crate) fn segment<'py>(
     rig: &Bound<'py, Rig>,
 ) -> PyResult<Bound<'py, PyArray2<u16>>> {
     let depth = &depth.get().depth;
-    let eye = Eye::of("image", image)?;
+    let eye = Eye::of("image", image, Wanted::Colours)?;
     let rig = rig.get().of_pictures(depth.size())?;
     let found = without_the_lock(py, || {
         let rgb = eye.rgb();

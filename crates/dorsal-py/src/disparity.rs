@@ -3,7 +3,7 @@ use dorsal::disparity_pyramid::{MatchParams, estimate};
 use dorsal::v1_gabor::{FilterBank, GaborParams};
 use pyo3::prelude::*;
 
-use crate::eye::both_eyes;
+use crate::eye::{Wanted, both_eyes};
 use crate::field::Field;
 use crate::refusal::{look_error, value_error};
 use crate::threads::without_the_lock;
@@ -17,7 +17,7 @@ pub(crate) fn flow(
     scales: usize,
 ) -> PyResult<Field> {
     // The earlier moment takes the left eye's place.
-    let moments = both_eyes(before, after)?;
+    let moments = both_eyes(before, after, Wanted::Luma)?;
     let size = moments.left.size();
     if !(1..=32).contains(&scales) {
         return Err(value_error(format!(

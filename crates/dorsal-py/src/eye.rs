@@ -1,17 +1,18 @@
+use std::thread;
+
 use dorsal::disparity_pyramid::EyeView;
 use dorsal::v1_gabor::{Binocular, LumaImage, Size};
-use ndarray::{Array2, ArrayView3, CowArray, Ix2};
-use numpy::{
-    Element, IntoPyArray as _, PyArray2, PyArray3, PyArrayMethods as _, PyUntypedArray,
-    PyUntypedArrayMethods as _,
-};
+use ndarray::{Array2, CowArray, Ix2};
+use numpy::{IntoPyArray as _, PyArray2};
 use pyo3::prelude::*;
-use stereo_formats::picture::{Picture, Samples};
+use stereo_formats::picture::Picture;
 
+use crate::eye_array::EyeArray;
+use crate::plane_store;
 use crate::refusal::value_error;
 
-/// Luma beyond which floats are not from 0 to 1 but codes of a camera.
-const MOST_LUMA: f32 = 16.0;
+/// From so many pixels on the two eyes are read by two threads: below, starting one costs more.
+const PIXELS_FOR_TWO: usize = 1 << 17;
 
 /// What one eye sees, as an array says it.
 #[derive(Debug)]
@@ -22,66 +23,21 @@ pub(crate) enum Eye {
     Luma(LumaImage),
 }
 
-impl Eye {
-    /// Takes an array `(height, width)` of `uint8`, `uint16`, `float32` or `float64`, or `(height, width, 3 or 4)` of
-    /// the first two, of any strides. `name` is the argument's.
-    pub(crate) fn of(name: &str, array: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let Ok(untyped) = array.cast::<PyUntypedArray>() else {
-            return Err(value_error(format!("{name} is no NumPy array")));
-        };
-        let shape = untyped.shape();
-        let grey = match shape {
-            [_, _] => true,
-            [_, _, 3 | 4] => false,
-            _ => {
-                return Err(value_error(format!(
-                    "{name} has shape {shape:?}; a picture is (height, width) or (height, width, 3)"
-                )));
-            }
-        };
-        let named = |why: &dyn std::fmt::Display| value_error(format!("{name}: {why}"));
-        let samples = if grey {
-            if let Ok(codes) = array.cast::<PyArray2<u8>>() {
-                Samples::Grey8(owned(name, codes)?)
-            } else if let Ok(codes) = array.cast::<PyArray2<u16>>() {
-                Samples::Grey16(owned(name, codes)?)
-            } else if let Ok(luma) = array.cast::<PyArray2<f32>>() {
-                return Self::of_luma(name, owned(name, luma)?);
-            } else if let Ok(luma) = array.cast::<PyArray2<f64>>() {
-                let readonly = luma.try_readonly().map_err(|why| named(&why))?;
-                return Self::of_luma(name, readonly.as_array().mapv(|luma| luma as f32));
-            } else {
-                return Err(wrong_dtype(
-                    name,
-                    untyped,
-                    "uint8, uint16, float32 or float64",
-                ));
-            }
-        } else if let Ok(codes) = array.cast::<PyArray3<u8>>() {
-            let readonly = codes.try_readonly().map_err(|why| named(&why))?;
-            Samples::Rgb8(colours(readonly.as_array()))
-        } else if let Ok(codes) = array.cast::<PyArray3<u16>>() {
-            let readonly = codes.try_readonly().map_err(|why| named(&why))?;
-            Samples::Rgb16(colours(readonly.as_array()))
-        } else {
-            return Err(wrong_dtype(name, untyped, "uint8 or uint16, for colours"));
-        };
-        let picture = Picture::of_samples(samples).map_err(|why| named(&why))?;
-        Ok(Self::Picture(picture))
-    }
+/// What of an eye is wanted beside its luma.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Wanted {
+    /// Nothing: no colour is copied.
+    Luma,
+    /// The colours too, as guides of the dense estimators and of segments.
+    Colours,
+}
 
-    fn of_luma(name: &str, luma: Array2<f32>) -> PyResult<Self> {
-        let luma = LumaImage::new(luma).map_err(|why| value_error(format!("{name}: {why}")))?;
-        // A fold without a way out walks whole registers; a search would look at sample after sample.
-        let most = luma
-            .plane()
-            .fold(0.0, |most: f32, luma| most.max(luma.abs()));
-        if most > MOST_LUMA {
-            return Err(value_error(format!(
-                "{name} reaches {most}; floats are luma from 0 (black) to 1 (white): divide by the largest code"
-            )));
-        }
-        Ok(Self::Luma(luma))
+impl Eye {
+    /// Takes an array; see [`EyeArray::of`]. `name` is the argument's.
+    pub(crate) fn of(name: &str, array: &Bound<'_, PyAny>, wanted: Wanted) -> PyResult<Self> {
+        let array = EyeArray::of(name, array)?;
+        let eye = array.view().read(wanted);
+        eye.map_err(|why| value_error(format!("{name}{why}")))
     }
 
     pub(crate) const fn luma(&self) -> &LumaImage {
@@ -116,16 +72,48 @@ impl Eye {
             }
         }
     }
+
+    /// Gives the plane back for the next look.
+    pub(crate) fn keep(self) {
+        if let Self::Luma(luma) = self {
+            let (plane, start) = luma.into_plane().into_raw_vec_and_offset();
+            if start.unwrap_or(0) == 0 {
+                plane_store::keep(plane);
+            }
+        }
+    }
 }
 
 /// Both eyes of a look, of one size.
+///
+/// Arrays are read while Python's lock is held, so that nobody writes into them meanwhile.
 pub(crate) fn both_eyes(
     left: &Bound<'_, PyAny>,
     right: &Bound<'_, PyAny>,
+    wanted: Wanted,
 ) -> PyResult<Binocular<Eye>> {
+    let arrays = Binocular {
+        left: EyeArray::of("left", left)?,
+        right: EyeArray::of("right", right)?,
+    };
+    let views = arrays.as_ref().map(EyeArray::view);
+    let (left, right) = if views.left.pixels() < PIXELS_FOR_TWO {
+        (views.left.read(wanted), views.right.read(wanted))
+    } else {
+        thread::scope(|scope| {
+            let right = scope.spawn(|| views.right.read(wanted));
+            let left = views.left.read(wanted);
+            let right = right.join();
+            (
+                left,
+                right.unwrap_or_else(|panic| std::panic::resume_unwind(panic)),
+            )
+        })
+    };
+    let named = |name: &'static str| move |why: String| value_error(format!("{name}{why}"));
     let eyes = Binocular {
-        left: Eye::of("left", left)?,
-        right: Eye::of("right", right)?,
+        left: left.map_err(named("left"))?,
+        right: right.map_err(named("right"))?,
     };
     let (left, right) = (eyes.left.size(), eyes.right.size());
     if left == right {
@@ -143,42 +131,9 @@ pub(crate) fn luma<'py>(
     py: Python<'py>,
     image: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
-    let plane = match Eye::of("image", image)? {
+    let plane: Array2<f32> = match Eye::of("image", image, Wanted::Luma)? {
         Eye::Picture(picture) => picture.into_luma().into_plane(),
         Eye::Luma(luma) => luma.into_plane(),
     };
     Ok(plane.into_pyarray(py))
-}
-
-/// A copy of a plane, of any strides: Python may write into the array while the levels run without its lock.
-pub(crate) fn owned<T: Element + Copy>(
-    name: &str,
-    array: &Bound<'_, PyArray2<T>>,
-) -> PyResult<Array2<T>> {
-    let readonly = array
-        .try_readonly()
-        .map_err(|why| value_error(format!("{name}: {why}")))?;
-    Ok(readonly.as_array().as_standard_layout().into_owned())
-}
-
-fn wrong_dtype(name: &str, array: &Bound<'_, PyUntypedArray>, wanted: &str) -> PyErr {
-    value_error(format!(
-        "{name} holds {}; wanted is {wanted}",
-        array.dtype()
-    ))
-}
-
-/// The first three channels of every pixel.
-fn colours<T: Copy>(codes: ArrayView3<'_, T>) -> Array2<[T; 3]> {
-    let (height, width, channels) = codes.dim();
-    let packed = codes.as_slice().filter(|_| channels == 3);
-    let packed = packed.and_then(|codes| {
-        let pixels = codes.as_chunks::<3>().0.to_vec();
-        Array2::from_shape_vec((height, width), pixels).ok()
-    });
-    packed.unwrap_or_else(|| {
-        Array2::from_shape_fn((height, width), |(y, x)| {
-            [codes[[y, x, 0]], codes[[y, x, 1]], codes[[y, x, 2]]]
-        })
-    })
 }

@@ -57,9 +57,14 @@ impl Field {
 
     #[getter]
     fn d<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f32>> {
-        let mut d = file_sign::d_of_field(&self.field, false);
-        // A file has infinity where an array has NaN.
-        d.mapv_inplace(|d| if d.is_finite() { d } else { f32::NAN });
+        let (dx, validity) = (self.field.dx(), self.field.validity());
+        let d = Zip::from(dx).and(validity).map_collect(|&dx, validity| {
+            if validity.is_valid() {
+                file_sign::d_of_shift(dx)
+            } else {
+                f32::NAN
+            }
+        });
         d.into_pyarray(py)
     }
 

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 use ndarray::Array3;
 use numpy::{IntoPyArray as _, PyArray2, PyArray3};
 use pyo3::prelude::*;
-use stereo_formats::{label_png, label_polygons, picture};
+use stereo_formats::picture::{self, Picture};
+use stereo_formats::{label_png, label_polygons};
 
 use crate::refusal::{file_error, value_error};
 
@@ -12,6 +13,14 @@ use crate::refusal::{file_error, value_error};
 #[pyfunction]
 pub(crate) fn read_picture(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyArray3<u8>>> {
     let picture = py.detach(|| picture::read(path)).map_err(file_error)?;
+    rgb_array(py, &picture)
+}
+
+/// The colours of a picture as `(height, width, 3)`.
+pub(crate) fn rgb_array<'py>(
+    py: Python<'py>,
+    picture: &Picture,
+) -> PyResult<Bound<'py, PyArray3<u8>>> {
     let rgb = picture.rgb();
     let (height, width) = rgb.dim();
     let codes: Vec<u8> = rgb.iter().flatten().copied().collect();

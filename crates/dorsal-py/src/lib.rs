@@ -5,18 +5,23 @@
 //! record goes over as JSON, from which the package's Python half makes its plain objects. What a function means
 //! is told where users read it, in `python/dorsal`.
 
+mod concourse;
 mod depth;
 mod disparity;
 mod eye;
+mod eye_array;
 mod field;
 mod files;
 mod look;
 mod look_plan;
 mod memory;
+mod plane_store;
 mod plane_view;
 mod qsr;
+mod recording;
 mod refusal;
 mod rig;
+mod room;
 mod scene_record;
 mod shared;
 mod threads;
@@ -27,6 +32,8 @@ use pyo3::prelude::*;
 /// The native half of the package `dorsal`.
 #[pymodule]
 mod _native {
+    #[pymodule_export]
+    use crate::concourse::{Concourse, ask_together, contradictions_together};
     #[pymodule_export]
     use crate::depth::{Depth, locate, segment, triangulate};
     #[pymodule_export]
@@ -44,9 +51,13 @@ mod _native {
     #[pymodule_export]
     use crate::qsr::{compose, composition_table, qualify, system};
     #[pymodule_export]
+    use crate::recording::{Recording, rig_of_recording};
+    #[pymodule_export]
     use crate::refusal::Refused;
     #[pymodule_export]
     use crate::rig::Rig;
+    #[pymodule_export]
+    use crate::room::Room;
     #[pymodule_export]
     use crate::shared::SharedMap;
     #[pymodule_export]

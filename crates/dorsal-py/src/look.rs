@@ -1,11 +1,13 @@
 use std::collections::BTreeMap;
 use std::num::NonZeroU16;
+use std::time::Instant;
 
 use dorsal::allocentric_qsr::QualitativeScene;
 use dorsal::egocentric_depth::{
     DepthMap, EgocentricScene, Label, LabelImage, LocateParams, SegmentParams, StereoRig, locate,
     segment,
 };
+use dorsal::v1_gabor::Binocular;
 use dorsal::{Names, sightings};
 use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -28,6 +30,9 @@ pub(crate) struct Look {
     field: Py<Field>,
     #[pyo3(get)]
     depth: Option<Py<Depth>>,
+    /// Seconds of the levels' work, from the planes of both eyes to the relations.
+    #[pyo3(get)]
+    seconds: f64,
     pub(crate) scene: Option<Scene>,
 }
 
@@ -52,7 +57,7 @@ pub(crate) fn look(
     names: BTreeMap<u16, String>,
     options: LookOptions,
 ) -> PyResult<Look> {
-    let eyes = both_eyes(left, right)?;
+    let eyes = both_eyes(left, right, options.wanted())?;
     let size = eyes.left.size();
     let rig = rig.map(|rig| rig.get().of_pictures(size)).transpose()?;
     let labels = labels.map(|labels| LabelImage::new(labels.as_array().to_owned()));
@@ -72,6 +77,7 @@ pub(crate) fn look(
         ));
     }
     let plan = options.plan(size, rig.as_ref(), for_objects)?;
+    let began = Instant::now();
     let (field, depth, scene) = without_the_lock(py, || {
         let field = plan.disparity(&eyes, rig.as_ref()).map_err(look_error)?;
         let Some(rig) = rig else {
@@ -100,11 +106,16 @@ pub(crate) fn look(
         };
         Ok((field, Some(depth), Some(scene)))
     })??;
+    let seconds = began.elapsed().as_secs_f64();
+    let Binocular { left, right } = eyes;
+    left.keep();
+    right.keep();
     Ok(Look {
         field: Py::new(py, Field { field })?,
         depth: depth
             .map(|depth| Py::new(py, Depth { depth }))
             .transpose()?,
+        seconds,
         scene,
     })
 }

@@ -5,7 +5,7 @@ use dorsal::v1_gabor::{Binocular, FilterBank, GaborParams, Size};
 use dorsal::{DenseLook, Error, Estimator, Range, Rows, Search};
 use pyo3::prelude::*;
 
-use crate::eye::Eye;
+use crate::eye::{Eye, Wanted};
 use crate::qsr::reference_system;
 use crate::refusal::{look_error, value_error};
 
@@ -82,6 +82,15 @@ impl LookOptions {
             reference: reference_system(&self.system)?,
             segment: self.segment,
         })
+    }
+
+    /// Whether colours are looked at: the dense estimators and segments follow them.
+    pub(crate) fn wanted(&self) -> Wanted {
+        if self.estimator == "vector" && !self.segment {
+            Wanted::Luma
+        } else {
+            Wanted::Colours
+        }
     }
 
     /// Where the vector pyramid searches. What is said of it holds; the paper's steps begin at zero, and so does

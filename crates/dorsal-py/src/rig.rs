@@ -27,7 +27,7 @@ impl Rig {
         }
     }
 
-    fn unsized_(rig: StereoRig) -> Self {
+    pub(crate) fn unsized_(rig: StereoRig) -> Self {
         Self {
             sized: SizedRig { rig, size: None },
         }

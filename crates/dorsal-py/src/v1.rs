@@ -3,7 +3,7 @@ use ndarray::Array3;
 use numpy::{Complex32, IntoPyArray as _, PyArray3};
 use pyo3::prelude::*;
 
-use crate::eye::Eye;
+use crate::eye::{Eye, Wanted};
 use crate::refusal::value_error;
 use crate::threads::without_the_lock;
 
@@ -17,7 +17,7 @@ pub(crate) fn respond<'py>(
     peak_frequency: f32,
     bandwidth: f32,
 ) -> PyResult<Vec<Bound<'py, PyArray3<Complex32>>>> {
-    let eye = Eye::of("image", image)?;
+    let eye = Eye::of("image", image, Wanted::Luma)?;
     let params = GaborParams {
         orientations,
         scales,

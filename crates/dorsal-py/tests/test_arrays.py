@@ -80,6 +80,40 @@ def test_refusals_say_what(small_pair, rig):
         dorsal.Rig.read("none.toml")
 
 
+def test_colours_of_wrong_kind_are_refused(pair):
+    left, right = (eye[:48, :64] for eye in pair)
+    refused = [
+        (lambda: dorsal.look(left.astype(np.float32), right), "left holds float32; wanted is uint8 or uint16, for colours"),
+        (lambda: dorsal.look(left, right.astype(np.int64)), "right holds int64"),
+        (lambda: dorsal.look(left > 9, right), "left holds bool"),
+        (lambda: dorsal.look(left, right[:, :, :2]), r"right has shape \[48, 64, 2\]"),
+        (lambda: dorsal.look(left[None], right[None]), r"left has shape \[1, 48, 64, 3\]"),
+        (lambda: dorsal.look(left[:, :0], right[:, :0]), "left: "),
+    ]
+    for call, words in refused:
+        with pytest.raises(ValueError, match=words):
+            call()
+
+
+def test_pictures_of_any_size_do_not_mix(pair):
+    """Planes are kept from look to look: what another look left in them must not show, whatever the sizes and kinds."""
+    sizes = [(48, 64), (400, 500), (64, 48), (400, 500), (48, 64)]
+    eyes = {size: [eye[: size[0], : size[1]] for eye in pair] for size in sizes}
+    first = {size: bits(dorsal.look(*eyes[size])) for size in set(sizes)}
+    for size in sizes:
+        assert bits(dorsal.look(*eyes[size])) == first[size]
+        grey = [eye[:, :, 1] for eye in eyes[size]]
+        dorsal.look(*grey)
+        dorsal.look(*[eye.astype(np.float32) / 255 for eye in grey])
+        assert bits(dorsal.look(*eyes[size])) == first[size]
+        with pytest.raises(ValueError):
+            dorsal.look(eyes[size][0], eyes[size][1][1:])
+
+
+def test_a_look_says_how_long_it_took(small_pair):
+    assert 0 < dorsal.look(*small_pair).seconds < 60
+
+
 def test_labels_of_any_integers(small_pair):
     rig = dorsal.Rig.parallel(100.0, (31.5, 23.5), 0.1)
     marked = np.zeros((48, 64), np.int64)

@@ -59,3 +59,42 @@ def test_what_is_refused_says_why(tmp_path):
         shared.ask("one", "what now")
     with pytest.raises(ValueError):
         shared.take(["no report"])
+
+
+def test_shards_answer_together_what_none_knows(tmp_path):
+    rooms = [dorsal.SharedMap(tmp_path / str(room)) for room in range(2)]
+    far = {"sofa": (2.0, 6.0), "shelf": (-1.0, 7.0), "plant": (1.0, 5.0)}
+    # The first robot stays here, the second was in both rooms and numbers what it sends to each.
+    sent = [(0, report("one", 1, ONE)), (0, report("other", 1, ONE)), (1, report("other", 1, far) | {"seq": 1})]
+    concourse = dorsal.Concourse(2)
+    for shard, one in sent:
+        [receipt] = rooms[shard].take([one])
+        appeared = [change["object"] for change in receipt["changes"] if change["change"] == "appeared"]
+        concourse.saw(shard, one["robot"], appeared)
+    assert concourse.route("one", "where cup") == 0
+    words = "relation sofa from cup"
+    with pytest.raises(dorsal.Refused):
+        rooms[0].ask("one", words)
+    needed = concourse.route("one", words)
+    assert needed == ["one", "other"]
+    parts = [room.part(needed) for room in rooms]
+    assert "sofa" in str(concourse.ask(parts, "one", words))
+    where = concourse.ask(parts, "one", "where sofa").data
+    assert math.hypot(where["right_m"] - 2.0, where["forward_m"] - 6.0) < 1e-3
+    assert rooms[1].roster() == {"other": ["plant", "shelf", "sofa"]}
+    # It was moved into this room since: the shards do not know of each other, together they say so.
+    rooms[0].take([report("one", 2, ONE | {"plant": (0.3, 3.0)})])
+    assert rooms[0].contradictions() == []
+    [found] = concourse.contradictions([room.part(needed) for room in rooms])
+    assert found["object"] == "plant" and not found["one"]["is_gone"]
+    with pytest.raises(dorsal.Refused, match="nobody"):
+        concourse.route("nobody", words)
+    for wrong in (
+        lambda: concourse.route("one", "what now"),
+        lambda: concourse.saw(2, "one", ["cup"]),
+        lambda: concourse.ask([], "one", words),
+        lambda: concourse.ask(["no map"], "one", words),
+        lambda: concourse.ask([parts[0], dorsal.SharedMap(tmp_path / "x", system="drs1").to_json()], "one", words),
+    ):
+        with pytest.raises(ValueError):
+            wrong()

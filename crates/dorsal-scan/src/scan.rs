@@ -523,7 +523,7 @@ impl Scan {
         pictures: &Binocular<Array2<[u8; 3]>>,
         rig: &StereoRig,
     ) -> Result<Option<DepthMap>, NoScan> {
-        // Close before the eyes a table's texture is coarse: with edges as sharp as for whole rooms it falls apart.
+        // Edges as sharp as the preset's leave ground on a table close before the eyes unknown that these know.
         let params = DenseParams {
             edge_softness: 0.02,
             ..DenseParams::fast()

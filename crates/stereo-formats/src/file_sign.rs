@@ -7,8 +7,14 @@ use ndarray::{Array2, ArrayView2};
 /// a parallel rig. NaN, which is unknown, stays.
 #[must_use]
 pub fn d_of_dx(dx: ArrayView2<'_, f32>) -> Array2<f32> {
+    dx.mapv(d_of_shift)
+}
+
+/// The same of one pixel.
+#[must_use]
+pub const fn d_of_shift(dx: f32) -> f32 {
     // Subtracted from zero, so that no shift is 0 and not -0.
-    dx.mapv(|dx| 0.0 - dx)
+    0.0 - dx
 }
 
 /// The library's `dx` of a file's disparity `d`. NaN, which is unknown, stays.

@@ -42,6 +42,7 @@ mod toml_text;
 mod vector_planes;
 mod yaml_text;
 
+pub mod code_luma;
 pub mod colour;
 pub mod contact_sheet;
 pub mod depth_png;

@@ -6,6 +6,7 @@ use image::codecs::png::CompressionType;
 use ndarray::{Array2, ArrayView2, Zip};
 use v1_gabor::{Binocular, LumaImage, NotAnImage, Size};
 
+use crate::code_luma::luma_of_codes;
 use crate::file::{self, Unreadable, Unwritable};
 use crate::raster::{self, NotAPicture, NotAPng};
 
@@ -33,7 +34,7 @@ impl Picture {
                 grey.mapv(|grey| f32::from(grey) / 65535.0),
                 grey.mapv(|grey| [eight_bits(grey); 3]),
             ),
-            Samples::Rgb8(rgb) => (rgb.mapv(|rgb| rec_601(rgb, 255.0)), rgb),
+            Samples::Rgb8(rgb) => (luma_of_codes(rgb.view()), rgb),
             Samples::Rgb16(rgb) => (
                 rgb.mapv(|rgb| rec_601(rgb, 65535.0)),
                 rgb.mapv(|rgb| rgb.map(eight_bits)),
@@ -206,7 +207,7 @@ pub fn write_luma(path: impl AsRef<Path>, luma: &LumaImage) -> Result<(), Unwrit
 /// literature on stereo does.
 ///
 /// The sum is taken in `f64`, in which white is 1 and not a rounding error above it.
-fn rec_601<T: Into<f64>>(rgb: [T; 3], white: f64) -> f32 {
+pub(crate) fn rec_601<T: Into<f64>>(rgb: [T; 3], white: f64) -> f32 {
     let [red, green, blue] = rgb.map(Into::into);
     ((0.299 * red + 0.587 * green + 0.114 * blue) / white) as f32
 }

@@ -18,19 +18,24 @@ from dorsal._records import Answer, LocatedObject, Place, Relation, Unlocated
 from dorsal.depth import DepthMap, Rig
 from dorsal.disparity import DisparityField
 from dorsal._plot import plot
-from dorsal._shared import SharedMap
+from dorsal._shared import Concourse, SharedMap
+from dorsal._sources import Recording, Room, RoomView
 from dorsal.qsr import SceneMemory, Sighting
 
 __all__ = [
     "Answer",
+    "Concourse",
     "DepthMap",
     "DisparityField",
     "LocatedObject",
     "Look",
     "Place",
+    "Recording",
     "Refused",
     "Relation",
     "Rig",
+    "Room",
+    "RoomView",
     "SceneMemory",
     "SharedMap",
     "Sighting",

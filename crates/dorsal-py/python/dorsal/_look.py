@@ -74,6 +74,11 @@ class Look:
         return self._native.labels
 
     @property
+    def seconds(self) -> float:
+        """How long the levels took, from the planes of both eyes to the relations; the rest of the call is the door's."""
+        return self._native.seconds
+
+    @property
     def objects(self) -> list[LocatedObject]:
         """Where the objects are, in metres and radians, by ascending label."""
         return self._scene["objects"]
