@@ -10,14 +10,7 @@ use crate::rough::Rough;
 /// the standard library's `atan2` is not. Its error is a fortieth of a thousandth of a pixel of
 /// disparity.
 #[inline(always)]
-pub(crate) fn angle<S: Simd>(simd: S, y: S::f32s, x: S::f32s) -> S::f32s {
-    let (shorter, longer) = sides(simd, y, x);
-    of_ratio(simd, y, x, simd.div_f32s(shorter, longer))
-}
-
-/// The same with the machine's [quick](Rough) quotient.
-#[inline(always)]
-pub(crate) fn quick_angle<S: Rough>(simd: S, y: S::f32s, x: S::f32s) -> S::f32s {
+pub(crate) fn angle<S: Rough>(simd: S, y: S::f32s, x: S::f32s) -> S::f32s {
     let (shorter, longer) = sides(simd, y, x);
     of_ratio(simd, y, x, simd.quotient(shorter, longer))
 }

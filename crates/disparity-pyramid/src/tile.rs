@@ -2,7 +2,7 @@ use pulp::Simd;
 use v1_gabor::machine::Machine;
 use v1_gabor::{Size, WaveVector};
 
-use crate::phase::{quick_angle, wrap};
+use crate::phase::{angle, wrap};
 use crate::robust_fit::{Fit, robust_fit};
 use crate::rough::Rough;
 use crate::slopes::TileSlopes;
@@ -320,7 +320,7 @@ impl<S: Rough> Products<S> {
         turn: S::f32s,
         threshold: S::f32s,
     ) -> (S::f32s, S::f32s) {
-        let turned = simd.sub_f32s(quick_angle(simd, self.odd, self.even), turn);
+        let turned = simd.sub_f32s(angle(simd, self.odd, self.even), turn);
         let mean = simd.mul_f32s(simd.splat_f32s(0.5), simd.add_f32s(self.left, self.right));
         let amplitudes = simd.rough_root(simd.mul_f32s(self.left, self.right));
         let balance = simd.mul_f32s(amplitudes, simd.rough_reciprocal(mean));

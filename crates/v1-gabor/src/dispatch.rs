@@ -2,7 +2,7 @@ use pulp::{Arch, NullaryFnOnce};
 
 use crate::lanes::MOST_RADIUS;
 use crate::machine::Machine;
-use crate::strip_kernel::{StripKernel, StripWorkspace};
+use crate::strip_kernel::{Layout, StripKernel, StripWorkspace};
 
 /// The instructions that a bank may use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -23,6 +23,7 @@ pub(crate) struct Rows<'a> {
     pub(crate) image: &'a [f32],
     pub(crate) width: usize,
     pub(crate) from: usize,
+    pub(crate) layout: Layout,
     pub(crate) responses: &'a mut [f32],
     pub(crate) workspace: &'a mut StripWorkspace,
 }
@@ -52,7 +53,9 @@ impl Rows<'_> {
         match (instructions, Arch::new()) {
             // Sixteen lanes turn sixteen parts at a time, and are no gain where there are fewer.
             #[cfg(target_arch = "x86_64")]
-            (Instructions::Widest, Arch::V4(v4)) if !self.kernel.parts().is_multiple_of(16) => {
+            (Instructions::Widest, Arch::V4(v4))
+                if self.layout == Layout::ByPixel && !self.kernel.parts().is_multiple_of(16) =>
+            {
                 v4.vectorize(Compiled::<RADIUS, 8, _>(self, *v4));
             }
             #[cfg(target_arch = "x86_64")]
@@ -81,6 +84,7 @@ impl<const RADIUS: usize, const LANES: usize, M: Machine<LANES>> NullaryFnOnce
             image,
             width,
             from,
+            layout,
             responses,
             workspace,
         } = self.0;
@@ -92,7 +96,7 @@ impl<const RADIUS: usize, const LANES: usize, M: Machine<LANES>> NullaryFnOnce
                 image,
                 width,
                 from + row,
-                out,
+                (layout, out),
                 workspace,
             );
         }

@@ -8,7 +8,7 @@ use crate::pyramid::{reduce, reduce_into};
 use crate::samples::Samples;
 use crate::separable::Separable;
 use crate::separable_pass::SeparablePass;
-use crate::strip_kernel::{StripKernel, StripWorkspace};
+use crate::strip_kernel::{Layout, StripKernel, StripWorkspace};
 use crate::{
     BadParams, BankWorkspace, Family, GaborParams, Instructions, LumaImage, Responses,
     RowWorkspace, Size, V1Responses,
@@ -270,6 +270,32 @@ impl FilterBank {
         Ok(true)
     }
 
+    /// The same numbers, part by part: of each row from `from` on at the finest scale the even parts of
+    /// one orientation after the other, each as long as the image is wide, then the odd ones. For who
+    /// computes with neighbouring pixels side by side; it takes a third less time, since nothing is turned.
+    ///
+    /// # Errors
+    /// [`WrongSize`] if the image has another size than the bank was planned for.
+    ///
+    /// # Panics
+    /// If the image has fewer rows.
+    pub fn respond_row_parts_into(
+        &self,
+        image: &LumaImage,
+        from: usize,
+        workspace: &mut RowWorkspace,
+        parts: &mut [f32],
+    ) -> Result<bool, WrongSize> {
+        self.check_size(image)?;
+        if !self.answers_by_rows() {
+            return Ok(false);
+        }
+        let strips = workspace.fitted_to(&self.strip_kernel);
+        let responses = (Layout::ByPart, parts);
+        self.respond_at_rows_in(image.plane(), from, strips, responses);
+        Ok(true)
+    }
+
     /// Whether [`respond_rows_into`](Self::respond_rows_into) answers: filters with a radius of 3 to 7
     /// pixels, which are those of all defaults.
     #[must_use]
@@ -396,12 +422,24 @@ impl FilterBank {
         workspace: &mut StripWorkspace,
         responses: &mut [f32],
     ) {
+        self.respond_at_rows_in(plane, from, workspace, (Layout::ByPixel, responses));
+    }
+
+    /// The same in any layout.
+    fn respond_at_rows_in(
+        &self,
+        plane: ArrayView2<'_, f32>,
+        from: usize,
+        workspace: &mut StripWorkspace,
+        (layout, responses): (Layout, &mut [f32]),
+    ) {
         let radius = self.params.radius;
         let rows = Rows {
             kernel: &self.strip_kernel,
             image: plane.to_slice().expect("an image is contiguous"),
             width: plane.dim().1,
             from,
+            layout,
             responses,
             workspace,
         };
@@ -540,6 +578,41 @@ mod tests {
             })
             .unwrap();
             assert_eq!(rows, size.height);
+        }
+    }
+
+    /// Part by part the same bits as pixel by pixel, whatever the lanes of either.
+    #[test]
+    fn parts_are_those_of_the_pixels() {
+        let size = Size {
+            width: 301,
+            height: 9,
+        };
+        let image = noise(size, 4);
+        for (orientations, radius) in [(4, 5), (8, 5), (6, 7)] {
+            let params = GaborParams {
+                orientations,
+                radius,
+                scales: 1,
+                ..GaborParams::default()
+            };
+            let bank = FilterBank::plan(params, size).unwrap();
+            let mut workspace = RowWorkspace::new();
+            let parts = 2 * orientations;
+            let mut by_pixel = vec![0.0; 2 * size.width * parts];
+            let mut by_part = by_pixel.clone();
+            bank.respond_rows_into(&image, 3, &mut workspace, &mut by_pixel)
+                .unwrap();
+            bank.respond_row_parts_into(&image, 3, &mut workspace, &mut by_part)
+                .unwrap();
+            for y in 0..2 {
+                for part in 0..parts {
+                    for x in 0..size.width {
+                        let pixel = by_pixel[(y * size.width + x) * parts + part];
+                        assert_eq!(by_part[(y * parts + part) * size.width + x], pixel);
+                    }
+                }
+            }
         }
     }
 

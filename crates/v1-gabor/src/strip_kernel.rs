@@ -58,6 +58,15 @@ struct PartRecipe {
     others: Vec<(Spread, usize)>,
 }
 
+/// How a row of responses lies in memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Layout {
+    /// `[[pixel, part]]`: for each pixel the even parts of all orientations, then the odd parts.
+    ByPixel,
+    /// `[[part, pixel]]`: the even parts of one orientation after the other, then the odd parts.
+    ByPart,
+}
+
 /// What the fast pass keeps between its steps; planned once, used for any number of rows.
 #[derive(Clone, Debug)]
 pub(crate) struct StripWorkspace {
@@ -140,8 +149,8 @@ impl StripKernel {
         }
     }
 
-    /// Writes the responses of row `y` of an image of `width` columns, row-major in `image`: for
-    /// each pixel the even parts of all orientations, then the odd parts.
+    /// Writes the responses of row `y` of an image of `width` columns, row-major in `image`, in this
+    /// [`Layout`].
     ///
     /// `RADIUS` is the bank's.
     #[inline(always)]
@@ -151,7 +160,7 @@ impl StripKernel {
         image: &[f32],
         width: usize,
         y: usize,
-        responses: &mut [f32],
+        (layout, responses): (Layout, &mut [f32]),
         workspace: &mut StripWorkspace,
     ) {
         debug_assert_eq!(RADIUS, self.radius);
@@ -180,7 +189,12 @@ impl StripKernel {
             );
             match &self.across {
                 Across::Quadrature(pairs) => {
-                    let mut ahead = Ahead::new(&responses[start * stride..end * stride]);
+                    let burst: &[f32] = match layout {
+                        Layout::ByPixel => &responses[start * stride..end * stride],
+                        // A row of each part is short enough to have stayed near.
+                        Layout::ByPart => &[],
+                    };
+                    let mut ahead = Ahead::new(burst);
                     for pair in pairs {
                         pair.filter::<RADIUS, LANES, M>(
                             machine,
@@ -196,7 +210,16 @@ impl StripKernel {
                     across.combine(machine, products, end - start, parts);
                 }
             }
-            interleave(machine, parts, &mut responses[start * stride..end * stride]);
+            match layout {
+                Layout::ByPixel => {
+                    interleave(machine, parts, &mut responses[start * stride..end * stride]);
+                }
+                Layout::ByPart => {
+                    for (part, out) in parts.iter().zip(responses.chunks_exact_mut(width)) {
+                        out[start..end].copy_from_slice(&part[..end - start]);
+                    }
+                }
+            }
         }
     }
 

@@ -22,10 +22,33 @@ impl BankRows {
         eye: &LumaImage,
         y: usize,
     ) -> Result<&[f32], WrongSize> {
-        let parts = 2 * bank.params().orientations;
-        self.samples.resize(bank.size().width * parts, 0.0);
+        self.fit(bank);
         let answered = bank.respond_rows_into(eye, y, &mut self.workspace, &mut self.samples)?;
-        debug_assert!(answered, "filters of 7 and 11 taps have a pass over rows");
+        debug_assert!(answered, "{BY_ROWS}");
         Ok(&self.samples)
     }
+
+    /// The same numbers part by part: the even parts of each orientation along the row, then the odd ones.
+    ///
+    /// # Errors
+    /// [`WrongSize`] if the bank was planned for other images.
+    pub(crate) fn parts(
+        &mut self,
+        bank: &FilterBank,
+        eye: &LumaImage,
+        y: usize,
+    ) -> Result<&[f32], WrongSize> {
+        self.fit(bank);
+        let answered =
+            bank.respond_row_parts_into(eye, y, &mut self.workspace, &mut self.samples)?;
+        debug_assert!(answered, "{BY_ROWS}");
+        Ok(&self.samples)
+    }
+
+    fn fit(&mut self, bank: &FilterBank) {
+        let parts = 2 * bank.params().orientations;
+        self.samples.resize(bank.size().width * parts, 0.0);
+    }
 }
+
+const BY_ROWS: &str = "filters of 7 and 11 taps have a pass over rows";

@@ -194,7 +194,7 @@ impl DenseMatcher {
         fit(coherence, self.size, 0.0);
         let gates = Gates {
             ranges,
-            validity: field.validity.view(),
+            validity: &field.validity,
         };
         let dx = &mut field.dx;
         match (self.params.acuity, self.params.cost) {
@@ -224,14 +224,14 @@ impl DenseMatcher {
         }
         if choice {
             planes.take_shifts(field.dx.view());
-            choose_surfaces(&mut field.dx, planes, &self.choice, ranges, moved);
+            choose_surfaces(&mut field.dx, planes, &self.choice, ranges.view(), moved);
         }
         fit(&mut field.confidence, self.size, 0.0);
         let evidence = Evidence {
             validity: field.validity.view(),
             coherence: coherence.view(),
             margin: margin.view(),
-            range: ranges,
+            range: ranges.view(),
             moved: (surfaces || choice).then(|| moved.view()),
         };
         confidence(evidence, &mut field.confidence);

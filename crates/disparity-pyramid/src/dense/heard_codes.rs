@@ -6,7 +6,7 @@ use v1_gabor::WaveVector;
 use v1_gabor::machine::Machine;
 
 use crate::dense::fitted::numbers;
-use crate::dense::hyperacuity::{Block, Gates, MOST_LANES, PhaseSource, Row, SQUARE};
+use crate::dense::hyperacuity::{Block, Gates, MOST_LANES, PhaseSource, Row, SQUARE, lanes};
 use crate::dense::phase_agreement::{AgreementRow, BIAS, COST_ORIENTATIONS, PhaseAgreement};
 use crate::dense::pixel_cost::PixelCost;
 use crate::rough::Rough;
@@ -40,12 +40,13 @@ pub(crate) fn sharpen_by_codes(
                 row: agreement.row(y),
                 waves,
             };
+            let (ranges, validity) = gates.row(y);
             let row = Row {
                 sources: &[codes],
                 dx,
                 coherence,
-                ranges: gates.ranges.row(y),
-                validity: gates.validity.row(y),
+                ranges,
+                validity,
             };
             row.sharpen();
         });
@@ -73,18 +74,25 @@ impl PhaseSource for Codes<'_> {
             ..
         } = self.row;
         let first = padding.place(pixels.start);
+        let straight = straight(&seen, width);
         for q in 0..COST_ORIENTATIONS {
             // What is out of view, or beyond the end of the row, answers nothing.
-            let (mut own, mut other) = ([[BIAS; 2]; MOST_LANES], [[BIAS; 2]; MOST_LANES]);
-            own[..pixels.len()].copy_from_slice(&left[q][first..][..pixels.len()]);
+            let own = lanes(&left[q][first..][..pixels.len()], [BIAS; 2]);
             let right = &right[q][padding.place(0)..][..width];
-            for lane in 0..MOST_LANES {
-                if let Some(code) = right.get(seen[lane]) {
-                    other[lane] = *code;
+            let other = match straight {
+                Some(seen) => lanes(&right[seen..], [BIAS; 2]),
+                None => {
+                    let mut other = [[BIAS; 2]; MOST_LANES];
+                    for lane in 0..MOST_LANES {
+                        if let Some(code) = right.get(seen[lane]) {
+                            other[lane] = *code;
+                        }
+                    }
+                    other
                 }
-            }
+            };
+            let odd = COST_ORIENTATIONS + q;
             for lane in 0..MOST_LANES {
-                let odd = COST_ORIENTATIONS + q;
                 block.left[q][lane] = part(own[lane][0]);
                 block.left[odd][lane] = part(own[lane][1]);
                 block.right[q][lane] = part(other[lane][0]);
@@ -97,6 +105,19 @@ impl PhaseSource for Codes<'_> {
     fn weight<S: Rough>(&self, _: S, squared: S::f32s, _: S::f32s) -> S::f32s {
         squared
     }
+}
+
+/// The first place that is seen, if all are in view and lie side by side as the pixels do: most shifts are
+/// their neighbours', and what lies side by side is read at once.
+#[inline(always)]
+fn straight(seen: &[usize; MOST_LANES], width: usize) -> Option<usize> {
+    let first = seen[0];
+    let mut apart = 0;
+    for lane in 0..MOST_LANES {
+        apart |= seen[lane] ^ first.wrapping_add(lane);
+    }
+    let all = apart == 0 && first.saturating_add(MOST_LANES) <= width;
+    all.then_some(first)
 }
 
 /// The part that a byte stands for.
@@ -149,8 +170,8 @@ mod tests {
         let validity = Array2::from_elem(size.dim(), Validity::Valid);
         let ranges = Array2::zeros(size.dim());
         let gates = Gates {
-            ranges: ranges.view(),
-            validity: validity.view(),
+            ranges: &ranges,
+            validity: &validity,
         };
         let (mut by_codes, mut by_responses) = (before.clone(), before.clone());
         let mut coherences = [Array2::zeros(size.dim()), Array2::zeros(size.dim())];

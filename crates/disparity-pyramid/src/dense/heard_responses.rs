@@ -60,12 +60,13 @@ pub(crate) fn sharpen(
                 };
                 bands.push(Band { eyes, waves });
             }
+            let (ranges, validity) = gates.row(y);
             let row = Row {
                 sources: &bands,
                 dx,
                 coherence,
-                ranges: gates.ranges.row(y),
-                validity: gates.validity.row(y),
+                ranges,
+                validity,
             };
             row.sharpen();
         }
@@ -251,8 +252,8 @@ mod tests {
             let ranges = Array2::from_shape_fn(size.dim(), |(y, _)| if y == 5 { 2.0 } else { 0.9 });
             let mut dx = before.clone();
             let gates = Gates {
-                ranges: ranges.view(),
-                validity: validity.view(),
+                ranges: &ranges,
+                validity: &validity,
             };
             let mut coherence = Array2::zeros(size.dim());
             let room = (&mut coherence, &mut Vec::new());

@@ -1,7 +1,7 @@
 use std::f32::consts::FRAC_PI_2;
 use std::ops::Range;
 
-use ndarray::{ArrayView1, ArrayView2};
+use ndarray::Array2;
 use pulp::{Arch, NullaryFnOnce, Scalar};
 use v1_gabor::WaveVector;
 use v1_gabor::machine::Machine;
@@ -42,8 +42,20 @@ pub(crate) const SQUARE: usize = 8;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Gates<'a> {
     /// Largest difference of shifts around, in pixels.
-    pub(crate) ranges: ArrayView2<'a, f32>,
-    pub(crate) validity: ArrayView2<'a, Validity>,
+    pub(crate) ranges: &'a Array2<f32>,
+    pub(crate) validity: &'a Array2<Validity>,
+}
+
+impl<'a> Gates<'a> {
+    /// Those of one row.
+    pub(crate) fn row(&self, y: usize) -> (&'a [f32], &'a [Validity]) {
+        let width = self.ranges.ncols();
+        let pixels = y * width..(y + 1) * width;
+        match (self.ranges.as_slice(), self.validity.as_slice()) {
+            (Some(ranges), Some(validity)) => (&ranges[pixels.clone()], &validity[pixels]),
+            _ => unreachable!("planes are made in row-major order"),
+        }
+    }
 }
 
 /// What both eyes' phases along one row are read from.
@@ -78,8 +90,8 @@ pub(crate) struct Row<'a, P> {
     pub(crate) sources: &'a [P],
     pub(crate) dx: &'a mut [f32],
     pub(crate) coherence: &'a mut [f32],
-    pub(crate) ranges: ArrayView1<'a, f32>,
-    pub(crate) validity: ArrayView1<'a, Validity>,
+    pub(crate) ranges: &'a [f32],
+    pub(crate) validity: &'a [Validity],
 }
 
 impl<P: PhaseSource> Row<'_, P> {
@@ -98,24 +110,40 @@ impl<P: PhaseSource> Row<'_, P> {
     fn walk<S: Rough, M: Machine<SQUARE>>(self, simd: S, machine: M) {
         let mut block = Block::default();
         let width = self.dx.len();
-        for start in (0..width).step_by(S::F32_LANES) {
-            let end = (start + S::F32_LANES).min(width);
-            block.dx = [0.0; MOST_LANES];
-            block.dx[..end - start].copy_from_slice(&self.dx[start..end]);
-            let (steps, agreements) =
-                residual(simd, machine, self.sources, (start..end, width), &mut block);
-            for (i, x) in (start..end).enumerate() {
-                let takes = self.validity[x].is_valid()
-                    && self.ranges[x] < MOST_RANGE_PX
-                    && agreements[i] > LEAST_COHERENCE
-                    && steps[i].abs() < MOST_STEP_PX;
-                self.coherence[x] = agreements[i];
-                if takes {
-                    self.dx[x] += steps[i];
-                }
+        for start in (0..width).step_by(MOST_LANES) {
+            let pixels = start..(start + MOST_LANES).min(width);
+            block.dx = lanes(&self.dx[pixels.clone()], 0.0);
+            block.hear(simd, machine, self.sources, (pixels.clone(), width));
+            for lane in (0..MOST_LANES).step_by(S::F32_LANES) {
+                block.agree(simd, lane, self.sources);
+            }
+            let dx = &mut self.dx[pixels.clone()];
+            let coherences = &mut self.coherence[pixels.clone()];
+            let validity = &self.validity[pixels.clone()];
+            let ranges = &self.ranges[pixels];
+            for i in 0..dx.len().min(MOST_LANES) {
+                let (step, coherence) = (block.steps[i], block.coherences[i]);
+                let takes = validity[i].is_valid()
+                    & (ranges[i] < MOST_RANGE_PX)
+                    & (coherence > LEAST_COHERENCE)
+                    & (step.abs() < MOST_STEP_PX);
+                coherences[i] = coherence;
+                dx[i] += if takes { step } else { 0.0 };
             }
         }
     }
+}
+
+/// A few values, and nothing in the lanes beyond them. Where there are as many as lanes, their number is
+/// known to the compiler, and they are copied at once.
+#[inline(always)]
+pub(crate) fn lanes<T: Copy>(values: &[T], nothing: T) -> [T; MOST_LANES] {
+    if let Some(values) = values.first_chunk() {
+        return *values;
+    }
+    let mut lanes = [nothing; MOST_LANES];
+    lanes[..values.len()].copy_from_slice(values);
+    lanes
 }
 
 /// One row's work, compiled for one machine.
@@ -142,6 +170,9 @@ pub(crate) struct Block {
     /// Phases and weights of all orientations of all sources.
     phases: [[f32; MOST_LANES]; MOST_BANKS * MOST_ORIENTATIONS],
     weights: [[f32; MOST_LANES]; MOST_BANKS * MOST_ORIENTATIONS],
+    /// The shifts that the phases still ask for, in pixels, and how well they agree with them.
+    steps: [f32; MOST_LANES],
+    coherences: [f32; MOST_LANES],
 }
 
 impl Default for Block {
@@ -152,6 +183,8 @@ impl Default for Block {
             right: [[0.0; MOST_LANES]; 2 * MOST_ORIENTATIONS],
             phases: [[0.0; MOST_LANES]; MOST_BANKS * MOST_ORIENTATIONS],
             weights: [[0.0; MOST_LANES]; MOST_BANKS * MOST_ORIENTATIONS],
+            steps: [0.0; MOST_LANES],
+            coherences: [0.0; MOST_LANES],
         }
     }
 }
@@ -161,77 +194,107 @@ impl Block {
     #[inline(always)]
     pub(crate) fn seen(&self, pixels: &Range<usize>) -> [usize; MOST_LANES] {
         let mut seen = [usize::MAX; MOST_LANES];
-        for (lane, x) in pixels.clone().enumerate() {
-            seen[lane] = place(x as f32 + nearest(self.dx[lane]));
+        let first = pixels.start as f32;
+        for lane in 0..MOST_LANES {
+            seen[lane] = place(first + lane as f32 + nearest(self.dx[lane]));
+        }
+        for beyond in &mut seen[pixels.len()..] {
+            *beyond = usize::MAX;
         }
         seen
     }
-}
 
-/// The shifts that the phases at a few pixels still ask for, and their agreement with them.
-#[inline(always)]
-fn residual<P: PhaseSource, S: Rough, M: Machine<SQUARE>>(
-    simd: S,
-    machine: M,
-    sources: &[P],
-    (pixels, width): (Range<usize>, usize),
-    block: &mut Block,
-) -> ([f32; MOST_LANES], [f32; MOST_LANES]) {
-    let splat = |value| simd.splat_f32s(value);
-    let (zero, tiny) = (splat(0.0), splat(f32::MIN_POSITIVE));
-    let dx = vector(simd, &block.dx, 0);
-    let rounder = splat(ROUNDER);
-    let whole = simd.sub_f32s(simd.add_f32s(dx, rounder), rounder);
-    let beyond = simd.sub_f32s(dx, whole);
-    let (mut numerator, mut denominator, mut heard) = (zero, zero, zero);
-    let mut channel = 0;
-    for source in sources.iter().take(MOST_BANKS) {
-        source.read(machine, &pixels, width, block);
-        let waves = source.waves();
-        for (q, wave) in waves.iter().enumerate() {
-            let read = |parts: &[[f32; MOST_LANES]], part: usize| vector(simd, &parts[part], 0);
-            let odd_part = waves.len() + q;
-            let (le, lo) = (read(&block.left, q), read(&block.left, odd_part));
-            let (re, ro) = (read(&block.right, q), read(&block.right, odd_part));
-            let two = |a, b, c, d| simd.mul_add_e_f32s(a, b, simd.mul_f32s(c, d));
-            let even = two(re, le, ro, lo);
-            let odd = simd.sub_f32s(simd.mul_f32s(ro, le), simd.mul_f32s(re, lo));
-            let wave_x = splat(wave.x);
-            let turned = simd.mul_add_e_f32s(wave_x, beyond, angle(simd, odd, even));
-            let phase = wrap(simd, turned);
-            let squared = two(even, even, odd, odd);
-            let energy = simd.add_f32s(two(le, le, lo, lo), two(re, re, ro, ro));
-            let weight = source.weight(simd, squared, energy);
-            let opposed = simd.less_than_f32s(splat(FRAC_PI_2), simd.abs_f32s(phase));
-            let weight = simd.select_f32s(opposed, zero, weight);
-            let weight = simd.select_f32s(simd.less_than_f32s(tiny, squared), weight, zero);
-            let weighed = simd.mul_f32s(weight, wave_x);
-            numerator = simd.mul_add_e_f32s(weighed, phase, numerator);
-            denominator = simd.mul_add_e_f32s(weighed, wave_x, denominator);
-            heard = simd.add_f32s(heard, weight);
-            store(simd, &mut block.phases[channel], 0, phase);
-            store(simd, &mut block.weights[channel], 0, weight);
-            channel += 1;
+    /// The phases and the weights of all orientations of all sources at a few pixels of a row.
+    #[inline(always)]
+    fn hear<P: PhaseSource, S: Rough, M: Machine<SQUARE>>(
+        &mut self,
+        simd: S,
+        machine: M,
+        sources: &[P],
+        (pixels, width): (Range<usize>, usize),
+    ) {
+        let splat = |value| simd.splat_f32s(value);
+        let (zero, tiny) = (splat(0.0), splat(f32::MIN_POSITIVE));
+        let rounder = splat(ROUNDER);
+        let two = |a, b, c, d| simd.mul_add_e_f32s(a, b, simd.mul_f32s(c, d));
+        let mut channel = 0;
+        for source in sources.iter().take(MOST_BANKS) {
+            source.read(machine, &pixels, width, self);
+            let waves = source.waves();
+            for (q, wave) in waves.iter().enumerate() {
+                let wave_x = splat(wave.x);
+                let odd_part = waves.len() + q;
+                for lane in (0..MOST_LANES).step_by(S::F32_LANES) {
+                    let dx = vector(simd, &self.dx, lane);
+                    let whole = simd.sub_f32s(simd.add_f32s(dx, rounder), rounder);
+                    let beyond = simd.sub_f32s(dx, whole);
+                    let (le, lo) = (
+                        vector(simd, &self.left[q], lane),
+                        vector(simd, &self.left[odd_part], lane),
+                    );
+                    let (re, ro) = (
+                        vector(simd, &self.right[q], lane),
+                        vector(simd, &self.right[odd_part], lane),
+                    );
+                    let even = two(re, le, ro, lo);
+                    let odd = simd.sub_f32s(simd.mul_f32s(ro, le), simd.mul_f32s(re, lo));
+                    let angle = angle(simd, odd, even);
+                    let phase = wrap(simd, simd.mul_add_e_f32s(wave_x, beyond, angle));
+                    let squared = two(even, even, odd, odd);
+                    let energy = simd.add_f32s(two(le, le, lo, lo), two(re, re, ro, ro));
+                    let weight = source.weight(simd, squared, energy);
+                    let opposed = simd.less_than_f32s(splat(FRAC_PI_2), simd.abs_f32s(phase));
+                    let weight = simd.select_f32s(opposed, zero, weight);
+                    let heard = simd.less_than_f32s(tiny, squared);
+                    let weight = simd.select_f32s(heard, weight, zero);
+                    store(simd, &mut self.phases[channel], lane, phase);
+                    store(simd, &mut self.weights[channel], lane, weight);
+                }
+                channel += 1;
+            }
         }
     }
-    let anything = simd.less_than_f32s(tiny, denominator);
-    let step = simd.div_f32s(simd.neg_f32s(numerator), simd.max_f32s(denominator, tiny));
-    // Where only the orientation along the rows is heard, a step can be anything; so far it is
-    // refused, and a cosine would lose its angle.
-    let far = simd.min_f32s(simd.max_f32s(step, splat(-FAR_STEP_PX)), splat(FAR_STEP_PX));
-    let step = simd.select_f32s(anything, far, zero);
-    let mut agreement = zero;
-    let sources = sources.iter().take(MOST_BANKS);
-    let waves = sources.flat_map(PhaseSource::waves);
-    for ((phase, weight), wave) in block.phases.iter().zip(&block.weights).zip(waves) {
-        let left_over = simd.mul_add_e_f32s(splat(wave.x), step, vector(simd, phase, 0));
-        let agrees = cosine(simd, left_over);
-        agreement = simd.mul_add_e_f32s(vector(simd, weight, 0), agrees, agreement);
+
+    /// The shifts that the phases at some of the pixels, from a lane on, still ask for together, and their
+    /// agreement with them.
+    #[inline(always)]
+    fn agree<P: PhaseSource, S: Rough>(&mut self, simd: S, lane: usize, sources: &[P]) {
+        let splat = |value| simd.splat_f32s(value);
+        let (zero, tiny) = (splat(0.0), splat(f32::MIN_POSITIVE));
+        let (mut numerator, mut denominator, mut heard) = (zero, zero, zero);
+        let mut channel = 0;
+        for source in sources.iter().take(MOST_BANKS) {
+            for wave in source.waves() {
+                let phase = vector(simd, &self.phases[channel], lane);
+                let weight = vector(simd, &self.weights[channel], lane);
+                let wave_x = splat(wave.x);
+                let weighed = simd.mul_f32s(weight, wave_x);
+                numerator = simd.mul_add_e_f32s(weighed, phase, numerator);
+                denominator = simd.mul_add_e_f32s(weighed, wave_x, denominator);
+                heard = simd.add_f32s(heard, weight);
+                channel += 1;
+            }
+        }
+        let anything = simd.less_than_f32s(tiny, denominator);
+        let step = simd.quotient(simd.neg_f32s(numerator), simd.max_f32s(denominator, tiny));
+        // Where only the orientation along the rows is heard, a step can be anything; so far it is
+        // refused, and a cosine would lose its angle.
+        let far = simd.min_f32s(simd.max_f32s(step, splat(-FAR_STEP_PX)), splat(FAR_STEP_PX));
+        let step = simd.select_f32s(anything, far, zero);
+        let mut agreement = zero;
+        let mut channel = 0;
+        for source in sources.iter().take(MOST_BANKS) {
+            for wave in source.waves() {
+                let phase = vector(simd, &self.phases[channel], lane);
+                let weight = vector(simd, &self.weights[channel], lane);
+                let left_over = simd.mul_add_e_f32s(splat(wave.x), step, phase);
+                agreement = simd.mul_add_e_f32s(weight, cosine(simd, left_over), agreement);
+                channel += 1;
+            }
+        }
+        let agreement = simd.quotient(agreement, simd.max_f32s(heard, tiny));
+        let agreement = simd.select_f32s(anything, agreement, zero);
+        store(simd, &mut self.steps, lane, step);
+        store(simd, &mut self.coherences, lane, agreement);
     }
-    let agreement = simd.div_f32s(agreement, simd.max_f32s(heard, tiny));
-    let agreement = simd.select_f32s(anything, agreement, zero);
-    let (mut steps, mut agreements) = ([0.0; MOST_LANES], [0.0; MOST_LANES]);
-    store(simd, &mut steps, 0, step);
-    store(simd, &mut agreements, 0, agreement);
-    (steps, agreements)
 }

@@ -16,19 +16,18 @@ pub(crate) struct LocalRange {
     rooms: Vec<RowRoom>,
 }
 
-/// The least and the largest shift of each column among a few rows, between columns that know none,
-/// and the least of a few columns.
+/// The least and the largest shift of each column among a few rows, and again beyond either end those of
+/// the last column.
 #[derive(Clone, Debug, Default)]
 struct RowRoom {
     least: Vec<f32>,
     most: Vec<f32>,
-    lowest: Vec<f32>,
 }
 
 impl LocalRange {
     /// The largest difference between two shifts within 5 x 5 pixels of each pixel: small on one
     /// surface, large at its end.
-    pub(crate) fn of(&mut self, dx: ArrayView2<'_, f32>) -> ArrayView2<'_, f32> {
+    pub(crate) fn of(&mut self, dx: ArrayView2<'_, f32>) -> &Array2<f32> {
         let (height, width) = dx.dim();
         fit(&mut self.range, Size::of_dim(dx.dim()), 0.0);
         let Some(dx) = dx.to_slice() else {
@@ -41,18 +40,22 @@ impl LocalRange {
             .enumerate()
             .for_each(|(band, (range, room))| {
                 for (y, range) in (band * rows..).zip(range.chunks_exact_mut(width)) {
-                    let around = y.saturating_sub(REACH)..(y + REACH + 1).min(height);
-                    let rows = &dx[around.start * width..around.end * width];
+                    // Beyond the image the last row stands again: the range stays what it is.
+                    let mut rows = [dx; 2 * REACH + 1];
+                    for (i, row) in rows.iter_mut().enumerate() {
+                        let y = (y + i).saturating_sub(REACH).min(height - 1);
+                        *row = &dx[y * width..][..width];
+                    }
                     Arch::new().dispatch(RangeOfRows { rows, range, room });
                 }
             });
-        self.range.view()
+        &self.range
     }
 }
 
 /// The ranges of one row, from the rows around it.
 struct RangeOfRows<'a> {
-    rows: &'a [f32],
+    rows: [&'a [f32]; 2 * REACH + 1],
     range: &'a mut [f32],
     room: &'a mut RowRoom,
 }
@@ -64,38 +67,36 @@ impl NullaryFnOnce for RangeOfRows<'_> {
     fn call(self) {
         let Self { rows, range, room } = self;
         let width = range.len();
-        let RowRoom {
-            least,
-            most,
-            lowest,
-        } = room;
-        for (columns, nothing) in [
-            (&mut *least, f32::INFINITY),
-            (&mut *most, f32::NEG_INFINITY),
-        ] {
-            columns.clear();
-            columns.resize(width + 2 * REACH, nothing);
+        let [a, b, c, d, e] = rows;
+        let (a, b, c) = (&a[..width], &b[..width], &c[..width]);
+        let (d, e) = (&d[..width], &e[..width]);
+        let RowRoom { least, most } = room;
+        for columns in [&mut *least, &mut *most] {
+            columns.resize(width + 2 * REACH, 0.0);
         }
-        lowest.clear();
-        lowest.resize(width, f32::INFINITY);
-        for row in rows.chunks_exact(width) {
-            let columns = least[REACH..].iter_mut().zip(&mut most[REACH..]);
-            for ((least, most), dx) in columns.zip(row) {
-                *least = lesser(*least, *dx);
-                *most = -lesser(-*most, -*dx);
-            }
+        let (inner_least, inner_most) = (&mut least[REACH..][..width], &mut most[REACH..][..width]);
+        for x in 0..width {
+            let low = lesser(lesser(a[x], b[x]), lesser(d[x], e[x]));
+            let high = greater(greater(a[x], b[x]), greater(d[x], e[x]));
+            inner_least[x] = lesser(low, c[x]);
+            inner_most[x] = greater(high, c[x]);
         }
-        range.fill(f32::NEG_INFINITY);
-        for offset in 0..=2 * REACH {
-            for (lowest, least) in lowest.iter_mut().zip(&least[offset..]) {
-                *lowest = lesser(*lowest, *least);
-            }
-            for (range, most) in range.iter_mut().zip(&most[offset..]) {
-                *range = -lesser(-*range, -*most);
-            }
+        for columns in [&mut *least, &mut *most] {
+            let (first, last) = (columns[REACH], columns[REACH + width - 1]);
+            columns[..REACH].fill(first);
+            columns[REACH + width..].fill(last);
         }
-        for (range, lowest) in range.iter_mut().zip(lowest) {
-            *range -= *lowest;
+        let (least, most) = (&least[..width + 2 * REACH], &most[..width + 2 * REACH]);
+        for x in 0..width {
+            let low = lesser(
+                lesser(least[x], least[x + 1]),
+                lesser(least[x + 3], least[x + 4]),
+            );
+            let high = greater(
+                greater(most[x], most[x + 1]),
+                greater(most[x + 3], most[x + 4]),
+            );
+            range[x] = greater(high, most[x + 2]) - lesser(low, least[x + 2]);
         }
     }
 }
@@ -104,6 +105,12 @@ impl NullaryFnOnce for RangeOfRows<'_> {
 #[inline(always)]
 fn lesser(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
+}
+
+/// The greater of two numbers.
+#[inline(always)]
+fn greater(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
 }
 
 #[cfg(test)]

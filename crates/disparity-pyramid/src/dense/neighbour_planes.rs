@@ -1,14 +1,13 @@
 use ndarray::{Array2, ArrayView2};
+use pulp::Simd;
 use rayon::prelude::*;
 
 use crate::Validity;
 use crate::dense::guide::Guide;
+use crate::vector::vector;
 
 /// Pixels whose neighbours are asked side by side.
 pub(crate) const LANES: usize = 16;
-
-/// A number for each of them.
-pub(crate) type Lanes = [f32; LANES];
 
 /// How much a filled shift counts, against one that is an answer.
 const FILLED: f32 = 0.2;
@@ -110,34 +109,25 @@ impl NeighbourPlanes {
     /// How far the colours of pixels side by side from one place on lie from those from another on, in
     /// the channel that differs most.
     #[inline(always)]
-    pub(crate) fn colour_steps(&self, here: usize, there: usize) -> Lanes {
-        let mut steps = [0.0f32; LANES];
+    pub(crate) fn colour_step<S: Simd>(&self, simd: S, here: usize, there: usize) -> S::f32s {
+        let mut most = simd.splat_f32s(0.0);
         for channel in &self.channels {
-            let (here, there) = (lanes(channel, here), lanes(channel, there));
-            for i in 0..LANES {
-                steps[i] = steps[i].max((here[i] - there[i]).abs());
-            }
+            let (here, there) = (vector(simd, channel, here), vector(simd, channel, there));
+            most = simd.max_f32s(most, simd.abs_f32s(simd.sub_f32s(here, there)));
         }
-        steps
+        most
     }
 }
 
-/// The numbers of a plane from a place on.
+/// `exp(-rate x)` for `x >= 0` to 0.02, without a call: `(1 - rate x / 16)^16`.
 #[inline(always)]
-pub(crate) fn lanes(plane: &[f32], start: usize) -> Lanes {
-    let mut lanes = [0.0; LANES];
-    lanes.copy_from_slice(&plane[start..start + LANES]);
-    lanes
-}
-
-/// `exp(-t)` for `t >= 0` to 0.02, without a call: `(1 - t / 16)^16`.
-#[inline(always)]
-pub(crate) fn faded(t: f32) -> f32 {
-    let base = (1.0 - t * (1.0 / 16.0)).max(0.0);
-    let square = base * base;
-    let fourth = square * square;
-    let eighth = fourth * fourth;
-    eighth * eighth
+pub(crate) fn fade<S: Simd>(simd: S, x: S::f32s, rate: f32) -> S::f32s {
+    let base = simd.negate_mul_add_e_f32s(x, simd.splat_f32s(rate / 16.0), simd.splat_f32s(1.0));
+    let base = simd.max_f32s(base, simd.splat_f32s(0.0));
+    let square = simd.mul_f32s(base, base);
+    let fourth = simd.mul_f32s(square, square);
+    let eighth = simd.mul_f32s(fourth, fourth);
+    simd.mul_f32s(eighth, eighth)
 }
 
 /// The weights of neighbours by their distance, `exp(-(u^2 + v^2) / (2 sigma^2))` with `sigma_px`, of all
@@ -175,13 +165,14 @@ pub(crate) struct Neighbour {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
+    use pulp::Scalar;
 
     use super::*;
 
     proptest! {
         #[test]
         fn fading_is_nearly_exponential(t in 0.0f32..40.0) {
-            prop_assert!((faded(t) - (-t).exp()).abs() < 0.02);
+            prop_assert!((fade(Scalar, 10.0 * t, 0.1) - (-t).exp()).abs() < 0.02);
         }
     }
 }

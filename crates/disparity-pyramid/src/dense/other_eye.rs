@@ -75,8 +75,13 @@ impl OtherEye {
         let (own, nothing) = (wide.splat(own(least)), wide.splat(NO_SHIFT));
         for (i, offer) in sums.iter().enumerate() {
             let place = first + i * LANES;
+            // Mostly there is one block, and nothing to divide.
+            let (block, within) = match place < BLOCK {
+                true => (0, place),
+                false => (place / BLOCK, place % BLOCK),
+            };
             // Beyond the last shift nothing is offered.
-            let Some(block) = self.blocks.get_mut(place / BLOCK) else {
+            let Some(block) = self.blocks.get_mut(block) else {
                 return;
             };
             let seen = seen_first + i * LANES..seen_first + (i + 1) * LANES;
@@ -86,7 +91,7 @@ impl OtherEye {
             ) else {
                 return;
             };
-            let places = wide.add(wide.load(&FIRST_PLACES), wide.splat((place % BLOCK) as u8));
+            let places = wide.add(wide.load(&FIRST_PLACES), wide.splat(within as u8));
             let (sum, held) = (wide.load(offer), wide.load(least));
             // What is no shift asks for everything.
             let offer = wide.if_less(sum, nothing, wide.sub(sum, own), nothing);

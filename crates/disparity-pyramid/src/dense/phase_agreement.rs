@@ -1,15 +1,16 @@
-use pulp::{Arch, NullaryFnOnce, Scalar};
+use pulp::{Arch, NullaryFnOnce, Scalar, Simd};
 use rayon::prelude::*;
-use v1_gabor::machine::Machine;
 use v1_gabor::{Binocular, FilterBank, LumaImage, WrongSize};
 
 use crate::SearchRange;
 use crate::dense::bands::bands;
 use crate::dense::bank_rows::BankRows;
+use crate::dense::nearest::ROUNDER;
 use crate::dense::padding::Padding;
 use crate::dense::pixel_cost::{LANES, PixelCost, RowCost};
 use crate::dense::wide::Wide;
 use crate::rough::Rough;
+use crate::vector::vector;
 
 /// Orientations of the bank that the cost is taken from: more change nothing.
 pub(crate) const COST_ORIENTATIONS: usize = 4;
@@ -167,8 +168,8 @@ impl<W: Wide> Left<W> {
 
 /// One row of responses of four orientations.
 struct NormalisedRow<'a> {
-    /// Even and odd parts of each pixel.
-    samples: &'a [[f32; PARTS]],
+    /// The even parts of each orientation along the row, then the odd ones.
+    samples: &'a [f32],
     silent_energy: f32,
     /// The modulus of a full response.
     full: f32,
@@ -180,89 +181,88 @@ impl NormalisedRow<'_> {
     fn dispatch(self) {
         match Arch::new() {
             #[cfg(target_arch = "x86_64")]
-            Arch::V4(v4) => v4.vectorize(Compiled(self, *v4, v4)),
+            Arch::V4(v4) => v4.vectorize(Compiled(self, v4)),
             #[cfg(target_arch = "x86_64")]
-            Arch::V3(v3) => v3.vectorize(Compiled(self, v3, v3)),
-            _ => Compiled(self, Scalar, Scalar).call(),
+            Arch::V3(v3) => v3.vectorize(Compiled(self, v3)),
+            _ => Compiled(self, Scalar).call(),
         }
     }
 
-    /// Codes of as many pixels as they have parts: turned, so that the same part of all lies side by side.
     #[inline(always)]
-    fn code_square<M: Machine<PARTS>, S: Rough>(
-        &mut self,
-        (machine, simd): (M, S),
-        x: usize,
-        square: &[[f32; PARTS]; PARTS],
-    ) {
-        let mut parts = [machine.load(&square[0]); PARTS];
-        for i in 1..PARTS {
-            parts[i] = machine.load(&square[i]);
-        }
-        let parts = machine.turn(parts);
-        let mut gains = [0.0; COST_ORIENTATIONS * PARTS];
-        let (each, _) = gains.as_chunks_mut::<PARTS>();
-        for q in 0..COST_ORIENTATIONS {
-            let even = machine.store(parts[q]);
-            let odd = machine.store(parts[COST_ORIENTATIONS + q]);
-            for i in 0..PARTS {
-                each[q][i] = self.tells(even[i], odd[i]);
+    fn walk<S: Rough>(self, simd: S) {
+        let width = self.samples.len() / PARTS;
+        let (even, odd) = self.samples.split_at(COST_ORIENTATIONS * width);
+        let gain = Gain {
+            silent: simd.splat_f32s(self.silent_energy),
+            full: simd.splat_f32s(self.full),
+        };
+        for (q, codes) in self.rows.into_iter().enumerate() {
+            let (even, odd) = (&even[q * width..][..width], &odd[q * width..][..width]);
+            let codes = &mut codes[..width];
+            let whole = width - width % S::F32_LANES;
+            for x in (0..whole).step_by(S::F32_LANES) {
+                let words = gain.words(simd, vector(simd, even, x), vector(simd, odd, x));
+                spell(simd, words, &mut codes[x..x + S::F32_LANES]);
             }
-        }
-        let full = simd.splat_f32s(self.full);
-        for gains in S::as_mut_simd_f32s(&mut gains).0 {
-            *gains = simd.mul_f32s(full, simd.rough_inverse_root(*gains));
-        }
-        let (each, _) = gains.as_chunks::<PARTS>();
-        for q in 0..COST_ORIENTATIONS {
-            let even = machine.store(parts[q]);
-            let odd = machine.store(parts[COST_ORIENTATIONS + q]);
-            let mut codes = [[0; 2]; PARTS];
-            for i in 0..PARTS {
-                let gain = each[q][i];
-                codes[i] = [byte(even[i] * gain), byte(odd[i] * gain)];
-            }
-            let out = self.rows[q][x..].first_chunk_mut::<PARTS>();
-            *out.expect("a row has as many pixels as there are samples") = codes;
+            // The row ends within the lanes.
+            let (mut last_even, mut last_odd) = ([0.0; MOST_LANES], [0.0; MOST_LANES]);
+            last_even[..width - whole].copy_from_slice(&even[whole..]);
+            last_odd[..width - whole].copy_from_slice(&odd[whole..]);
+            let (even, odd) = (vector(simd, &last_even, 0), vector(simd, &last_odd, 0));
+            spell(simd, gain.words(simd, even, odd), &mut codes[whole..]);
         }
     }
+}
 
-    /// The energy over whose root a response is taken. Silence over silence is silence.
+/// At least the lanes of the widest vector there is.
+const MOST_LANES: usize = 16;
+
+/// Brings responses to the modulus of a full one, and those near silence to less.
+struct Gain<S: Simd> {
+    silent: S::f32s,
+    full: S::f32s,
+}
+
+impl<S: Rough> Gain<S> {
+    /// Responses in units of codes, the even part in the lower bytes, the odd one in those above them.
     #[inline(always)]
-    fn tells(&self, even: f32, odd: f32) -> f32 {
-        (even * even + odd * odd + self.silent_energy).max(f32::MIN_POSITIVE)
+    fn words(&self, simd: S, even: S::f32s, odd: S::f32s) -> S::u32s {
+        let energy = simd.mul_add_e_f32s(odd, odd, self.silent);
+        let energy = simd.mul_add_e_f32s(even, even, energy);
+        // Silence over silence is silence.
+        let energy = simd.max_f32s(energy, simd.splat_f32s(f32::MIN_POSITIVE));
+        let gain = simd.mul_f32s(self.full, simd.rough_inverse_root(energy));
+        // The nearest integer to a small number, and the bias more, is left in the lower bits.
+        let rounder = simd.splat_f32s(ROUNDER + f32::from(BIAS));
+        let even = simd.transmute_u32s_f32s(simd.mul_add_e_f32s(even, gain, rounder));
+        let odd = simd.mul_add_e_f32s(odd, gain, rounder);
+        let odd = simd.wrapping_dyn_shl_u32s(simd.transmute_u32s_f32s(odd), simd.splat_u32s(8));
+        simd.add_u32s(even, odd)
+    }
+}
+
+/// Writes the lower two bytes of as many words as there is room for.
+#[inline(always)]
+fn spell<S: Simd>(_: S, words: S::u32s, codes: &mut [[u8; 2]]) {
+    let mut each = [0; MOST_LANES];
+    S::as_mut_simd_u32s(&mut each).0[0] = words;
+    for i in 0..codes.len().min(MOST_LANES) {
+        codes[i] = (each[i] as u16).to_le_bytes();
     }
 }
 
 /// One row's work, compiled for one machine.
-struct Compiled<'a, M, S>(NormalisedRow<'a>, M, S);
+struct Compiled<'a, S>(NormalisedRow<'a>, S);
 
-impl<M: Machine<PARTS>, S: Rough> NullaryFnOnce for Compiled<'_, M, S> {
+impl<S: Rough> NullaryFnOnce for Compiled<'_, S> {
     type Output = ();
 
     // Inlined into the function that is compiled for the vector unit; a call would leave it.
     #[inline(always)]
     fn call(self) {
-        let Self(mut row, machine, simd) = self;
-        let (squares, rest) = row.samples.as_chunks::<PARTS>();
-        for (i, square) in squares.iter().enumerate() {
-            row.code_square((machine, simd), i * PARTS, square);
-        }
-        for (i, sample) in rest.iter().enumerate() {
-            for q in 0..COST_ORIENTATIONS {
-                let (even, odd) = (sample[q], sample[COST_ORIENTATIONS + q]);
-                let gain = row.full / row.tells(even, odd).sqrt();
-                row.rows[q][squares.len() * PARTS + i] = [byte(even * gain), byte(odd * gain)];
-            }
-        }
+        let Self(row, simd) = self;
+        row.walk(simd);
     }
-}
-
-/// The nearest integer to a small number, and [`BIAS`] more, without a call: adding 1.5 * 2^23
-/// leaves it in the lower bits.
-#[inline(always)]
-fn byte(value: f32) -> u8 {
-    (value + (12_582_912.0 + BIAS as f32)).to_bits() as u8
 }
 
 impl NormalisedResponses {
@@ -283,7 +283,7 @@ impl NormalisedResponses {
         let bands = self.parts.par_chunks_mut(rows * of_row).zip(rooms);
         bands.enumerate().try_for_each(|(band, (parts, room))| {
             for (y, parts) in (band * rows..).zip(parts.chunks_exact_mut(of_row)) {
-                let samples = room.row(bank, eye, y)?.as_chunks().0;
+                let samples = room.parts(bank, eye, y)?;
                 let own = padding.place(0)..padding.place(size.width);
                 let mut each = parts.chunks_exact_mut(stride);
                 let rows: [&mut [[u8; 2]]; COST_ORIENTATIONS] = std::array::from_fn(|_| {

@@ -1,8 +1,11 @@
-use ndarray::{Array2, Axis};
-use pulp::{Arch, NullaryFnOnce};
+use ndarray::Array2;
+use pulp::{Arch, NullaryFnOnce, Scalar};
 use rayon::prelude::*;
 
-use crate::dense::neighbour_planes::{LANES, Lanes, Neighbour, NeighbourPlanes, faded, lanes};
+use crate::dense::fitted::numbers;
+use crate::dense::neighbour_planes::{LANES, Neighbour, NeighbourPlanes, fade};
+use crate::rough::Rough;
+use crate::vector::{store, vector};
 
 /// Colour difference, in steps of 8 bits, at which a neighbour counts a third.
 const COLOUR: f32 = 0.08 * 255.0;
@@ -22,6 +25,9 @@ const RIDGE: f32 = 1e-3;
 /// Trusts and weights that sum up to less than this say nothing.
 const LEAST_SUM: f32 = 1e-6;
 
+/// That of the least sum of trusts at one place, `(RIDGE LEAST_SUM)^2`: less is an error of rounding.
+const LEAST_DETERMINANT: f32 = 1e-18;
+
 /// The most that a fit may move a shift, in pixels.
 const MOST_STEP_PX: f32 = 1.4;
 
@@ -38,96 +44,139 @@ pub(crate) fn fit_surfaces(
     moved: &mut Array2<f32>,
 ) {
     let width = dx.ncols();
-    dx.axis_iter_mut(Axis(0))
-        .into_par_iter()
-        .zip(moved.axis_iter_mut(Axis(0)).into_par_iter())
+    numbers(dx)
+        .par_chunks_exact_mut(width)
+        .zip(numbers(moved).par_chunks_exact_mut(width))
         .enumerate()
-        .for_each(|(y, (mut dx, mut moved))| {
-            for start in (0..width).step_by(LANES) {
-                let fitted = Arch::new().dispatch(Cells {
-                    planes,
-                    neighbours,
-                    place: planes.place(start, y),
-                });
-                let end = (start + LANES).min(width);
-                for (x, fitted) in (start..end).zip(fitted) {
-                    let step = fitted - dx[x];
-                    let takes = step.abs() < MOST_STEP_PX;
-                    moved[x] = if takes { step.abs() } else { 0.0 };
-                    dx[x] = if takes { fitted } else { dx[x] };
-                }
+        .for_each(|(y, (dx, moved))| {
+            let row = CellRow {
+                planes,
+                neighbours,
+                start: planes.place(0, y),
+                dx,
+                moved,
+            };
+            match Arch::new() {
+                #[cfg(target_arch = "x86_64")]
+                Arch::V4(v4) => v4.vectorize(Compiled(row, v4)),
+                #[cfg(target_arch = "x86_64")]
+                Arch::V3(v3) => v3.vectorize(Compiled(row, v3)),
+                _ => Compiled(row, Scalar).call(),
             }
         });
 }
 
-/// A few neighbouring pixels of one row, from a place on, and their surface cells.
-struct Cells<'a> {
+/// The surface cells of one row, which begins at a place of the planes.
+struct CellRow<'a> {
     planes: &'a NeighbourPlanes,
     neighbours: &'a [Neighbour],
-    place: usize,
+    start: usize,
+    dx: &'a mut [f32],
+    moved: &'a mut [f32],
 }
 
-impl NullaryFnOnce for Cells<'_> {
-    type Output = Lanes;
+/// One row's work, compiled for one machine.
+struct Compiled<'a, S>(CellRow<'a>, S);
 
-    /// The shifts of the planes `a + b u + c v` at the pixels themselves, `(u, v)` counted from each.
+impl<S: Rough> NullaryFnOnce for Compiled<'_, S> {
+    type Output = ();
+
+    // Inlined into the function that is compiled for the vector unit; a call would leave it.
     #[inline(always)]
-    fn call(self) -> Lanes {
+    fn call(self) {
+        let Self(row, simd) = self;
+        row.walk(simd);
+    }
+}
+
+impl CellRow<'_> {
+    #[inline(always)]
+    fn walk<S: Rough>(self, simd: S) {
         let Self {
             planes,
             neighbours,
-            place,
+            start,
+            dx,
+            moved,
         } = self;
-        let own = lanes(&planes.dx, place);
-        let zero = [0.0f32; LANES];
-        // Sums of w, w u, w v, w u u, w u v, w v v, w d, w d u, w d v, with d from the own shift.
-        let (mut s, mut su, mut sv) = (zero, zero, zero);
-        let (mut suu, mut suv, mut svv) = (zero, zero, zero);
-        let (mut sd, mut sdu, mut sdv) = (zero, zero, zero);
-        for neighbour in neighbours {
-            let away = neighbour.v * planes.stride().cast_signed() + neighbour.u;
-            let there = place.wrapping_add_signed(away);
-            let (u, v) = (neighbour.u as f32, neighbour.v as f32);
-            let reach = NEAR_PX * (1.0 + SLANT * u.abs().max(v.abs()));
-            let colours = planes.colour_steps(place, there);
-            let dx = lanes(&planes.dx, there);
-            let trust = lanes(&planes.trust, there);
-            for i in 0..LANES {
-                let d = dx[i] - own[i];
-                let weight = neighbour.weight * trust[i] * faded(colours[i] * (1.0 / COLOUR));
-                let weight = if d.abs() < reach { weight } else { 0.0 };
-                s[i] += weight;
-                su[i] += weight * u;
-                sv[i] += weight * v;
-                suu[i] += weight * (u * u);
-                suv[i] += weight * (u * v);
-                svv[i] += weight * (v * v);
-                sd[i] += weight * d;
-                sdu[i] += weight * d * u;
-                sdv[i] += weight * d * v;
+        let width = dx.len();
+        let mut fitted = [0.0; LANES];
+        for first in (0..width).step_by(LANES) {
+            for lane in (0..LANES).step_by(S::F32_LANES) {
+                let cells = fit_planes(simd, planes, neighbours, start + first + lane);
+                store(simd, &mut fitted, lane, cells);
+            }
+            let end = (first + LANES).min(width);
+            let (dx, moved) = (&mut dx[first..end], &mut moved[first..end]);
+            for i in 0..dx.len().min(LANES) {
+                let step = (fitted[i] - dx[i]).abs();
+                let takes = step < MOST_STEP_PX;
+                moved[i] = if takes { step } else { 0.0 };
+                dx[i] = if takes { fitted[i] } else { dx[i] };
             }
         }
-        let mut fitted = zero;
-        for i in 0..LANES {
-            // Eliminate a, then solve two by two about the weighted mean.
-            let total = s[i].max(f32::MIN_POSITIVE);
-            let share = 1.0 / total;
-            let (mu, mv, md) = (su[i] * share, sv[i] * share, sd[i] * share);
-            let ridge = RIDGE * total;
-            let cuu = suu[i] - su[i] * mu + ridge;
-            let cuv = suv[i] - su[i] * mv;
-            let cvv = svv[i] - sv[i] * mv + ridge;
-            let cdu = sdu[i] - sd[i] * mu;
-            let cdv = sdv[i] - sd[i] * mv;
-            let inverse = 1.0 / (cuu * cvv - cuv * cuv).max(f32::MIN_POSITIVE);
-            let b = (cdu * cvv - cdv * cuv) * inverse;
-            let c = (cdv * cuu - cdu * cuv) * inverse;
-            let a = own[i] + md - b * mu - c * mv;
-            // Where nobody is trusted there is no plane.
-            fitted[i] = if s[i] > LEAST_SUM { a } else { own[i] };
-        }
-        fitted
     }
+}
+
+/// The shifts at as many pixels as a vector holds, from a place on, by the planes `a + b u + c v` of their
+/// neighbours, `(u, v)` counted from each.
+#[inline(always)]
+fn fit_planes<S: Rough>(
+    simd: S,
+    planes: &NeighbourPlanes,
+    neighbours: &[Neighbour],
+    place: usize,
+) -> S::f32s {
+    let splat = |value| simd.splat_f32s(value);
+    let sum = |a, b, c| simd.mul_add_e_f32s(a, b, c);
+    let less = |a, b, c| simd.negate_mul_add_e_f32s(a, b, c);
+    let zero = splat(0.0);
+    let own = vector(simd, &planes.dx, place);
+    // Sums of w, w u, w v, w u u, w u v, w v v, w d, w d u, w d v, with d from the own shift.
+    let (mut s, mut su, mut sv) = (zero, zero, zero);
+    let (mut suu, mut suv, mut svv) = (zero, zero, zero);
+    let (mut sd, mut sdu, mut sdv) = (zero, zero, zero);
+    for neighbour in neighbours {
+        let away = neighbour.v * planes.stride().cast_signed() + neighbour.u;
+        let there = place.wrapping_add_signed(away);
+        let (u, v) = (neighbour.u as f32, neighbour.v as f32);
+        let reach = splat(NEAR_PX * (1.0 + SLANT * u.abs().max(v.abs())));
+        let colours = planes.colour_step(simd, place, there);
+        let d = simd.sub_f32s(vector(simd, &planes.dx, there), own);
+        let near = simd.less_than_f32s(simd.abs_f32s(d), reach);
+        let trust = simd.mul_f32s(vector(simd, &planes.trust, there), splat(neighbour.weight));
+        let weight = simd.mul_f32s(trust, fade(simd, colours, 1.0 / COLOUR));
+        let weight = simd.select_f32s(near, weight, zero);
+        let weighed = simd.mul_f32s(weight, d);
+        s = simd.add_f32s(s, weight);
+        su = sum(weight, splat(u), su);
+        sv = sum(weight, splat(v), sv);
+        suu = sum(weight, splat(u * u), suu);
+        suv = sum(weight, splat(u * v), suv);
+        svv = sum(weight, splat(v * v), svv);
+        sd = simd.add_f32s(sd, weighed);
+        sdu = sum(weighed, splat(u), sdu);
+        sdv = sum(weighed, splat(v), sdv);
+    }
+    // Eliminate a, then solve two by two about the weighted mean.
+    let one = splat(1.0);
+    let total = simd.max_f32s(s, splat(LEAST_SUM));
+    let share = simd.quotient(one, total);
+    let [mu, mv, md] = [su, sv, sd].map(|sum| simd.mul_f32s(sum, share));
+    let ridge = splat(RIDGE);
+    let cuu = sum(ridge, total, less(su, mu, suu));
+    let cuv = less(su, mv, suv);
+    let cvv = sum(ridge, total, less(sv, mv, svv));
+    let cdu = less(sd, mu, sdu);
+    let cdv = less(sd, mv, sdv);
+    let determinant = less(cuv, cuv, simd.mul_f32s(cuu, cvv));
+    let inverse = simd.quotient(one, simd.max_f32s(determinant, splat(LEAST_DETERMINANT)));
+    let b = simd.mul_f32s(less(cdv, cuv, simd.mul_f32s(cdu, cvv)), inverse);
+    let c = simd.mul_f32s(less(cdu, cuv, simd.mul_f32s(cdv, cuu)), inverse);
+    let a = simd.add_f32s(own, less(c, mv, less(b, mu, md)));
+    // Where nobody is trusted there is no plane.
+    let heard = simd.less_than_f32s(splat(LEAST_SUM), s);
+    simd.select_f32s(heard, a, own)
 }
 
 #[cfg(test)]

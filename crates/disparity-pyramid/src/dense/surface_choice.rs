@@ -1,8 +1,11 @@
-use ndarray::{Array2, ArrayView2, Axis};
-use pulp::{Arch, NullaryFnOnce};
+use ndarray::{Array2, ArrayView2};
+use pulp::{Arch, NullaryFnOnce, Scalar, Simd};
 use rayon::prelude::*;
 
-use crate::dense::neighbour_planes::{LANES, Lanes, Neighbour, NeighbourPlanes, faded, lanes};
+use crate::dense::fitted::numbers;
+use crate::dense::neighbour_planes::{LANES, Neighbour, NeighbourPlanes, fade};
+use crate::rough::Rough;
+use crate::vector::{store, vector};
 
 /// Largest difference of shifts within 5 x 5 pixels from which two surfaces meet there, in pixels.
 const MEETING_PX: f32 = 2.0;
@@ -23,6 +26,9 @@ const STAY: f32 = 1.25;
 /// How far shifts of one surface may lie apart, in pixels.
 const SAME_PX: f32 = 1.25;
 
+/// Weights that sum up to less than this have no mean.
+const LEAST_SUM: f32 = 1e-30;
+
 /// Less than this is no other surface, in pixels.
 const LEAST_STEP_PX: f32 = 1.0;
 
@@ -42,123 +48,162 @@ pub(crate) fn choose_surfaces(
     moved: &mut Array2<f32>,
 ) {
     let width = dx.ncols();
-    dx.axis_iter_mut(Axis(0))
-        .into_par_iter()
-        .zip(moved.axis_iter_mut(Axis(0)).into_par_iter())
+    let Some(ranges) = ranges.to_slice() else {
+        unreachable!("planes are made in row-major order")
+    };
+    numbers(dx)
+        .par_chunks_exact_mut(width)
+        .zip(numbers(moved).par_chunks_exact_mut(width))
+        .zip(ranges.par_chunks_exact(width))
         .enumerate()
-        .for_each(|(y, (mut dx, mut moved))| {
-            let ranges = ranges.row(y);
-            for start in (0..width).step_by(LANES) {
-                let end = (start + LANES).min(width);
-                if (start..end).all(|x| ranges[x] < MEETING_PX) {
-                    continue;
-                }
-                let chosen = Arch::new().dispatch(Choice {
-                    planes,
-                    neighbours,
-                    place: planes.place(start, y),
-                });
-                for (x, chosen) in (start..end).zip(chosen) {
-                    let step = (chosen - dx[x]).abs();
-                    if ranges[x] >= MEETING_PX && step > LEAST_STEP_PX {
-                        moved[x] = step;
-                        dx[x] = chosen;
-                    }
-                }
+        .for_each(|(y, ((dx, moved), ranges))| {
+            let row = ChoiceRow {
+                planes,
+                neighbours,
+                start: planes.place(0, y),
+                ranges,
+                dx,
+                moved,
+            };
+            match Arch::new() {
+                #[cfg(target_arch = "x86_64")]
+                Arch::V4(v4) => v4.vectorize(Compiled(row, v4)),
+                #[cfg(target_arch = "x86_64")]
+                Arch::V3(v3) => v3.vectorize(Compiled(row, v3)),
+                _ => Compiled(row, Scalar).call(),
             }
         });
 }
 
-/// A few neighbouring pixels of one row, from a place on, and the surfaces next to them.
-struct Choice<'a> {
+/// The pixels of one row, which begins at a place of the planes.
+struct ChoiceRow<'a> {
     planes: &'a NeighbourPlanes,
     neighbours: &'a [Neighbour],
-    place: usize,
+    start: usize,
+    ranges: &'a [f32],
+    dx: &'a mut [f32],
+    moved: &'a mut [f32],
+}
+
+/// One row's work, compiled for one machine.
+struct Compiled<'a, S>(ChoiceRow<'a>, S);
+
+impl<S: Rough> NullaryFnOnce for Compiled<'_, S> {
+    type Output = ();
+
+    // Inlined into the function that is compiled for the vector unit; a call would leave it.
+    #[inline(always)]
+    fn call(self) {
+        let Self(row, simd) = self;
+        row.walk(simd);
+    }
+}
+
+impl ChoiceRow<'_> {
+    #[inline(always)]
+    fn walk<S: Rough>(self, simd: S) {
+        let Self {
+            planes,
+            neighbours,
+            start,
+            ranges,
+            dx,
+            moved,
+        } = self;
+        let width = dx.len();
+        let mut chosen = [0.0; LANES];
+        for first in (0..width).step_by(S::F32_LANES) {
+            let end = (first + S::F32_LANES).min(width);
+            let ranges = &ranges[first..end];
+            let mut widest = 0.0f32;
+            for range in ranges {
+                widest = if *range > widest { *range } else { widest };
+            }
+            if widest < MEETING_PX {
+                continue;
+            }
+            let choice = choose(simd, planes, neighbours, start + first);
+            store(simd, &mut chosen, 0, choice);
+            let (dx, moved) = (&mut dx[first..end], &mut moved[first..end]);
+            for i in 0..ranges.len().min(LANES) {
+                let step = (chosen[i] - dx[i]).abs();
+                let takes = (ranges[i] >= MEETING_PX) & (step > LEAST_STEP_PX);
+                moved[i] = if takes { step } else { moved[i] };
+                dx[i] = if takes { chosen[i] } else { dx[i] };
+            }
+        }
+    }
 }
 
 /// The weights of those that share a shift, pixel by pixel, and the sums of their weighted shifts.
 #[derive(Clone, Copy)]
-struct Support {
-    shift: Lanes,
-    weight: Lanes,
-    sum: Lanes,
+struct Support<S: Simd> {
+    shift: S::f32s,
+    weight: S::f32s,
+    sum: S::f32s,
 }
 
-impl Support {
+impl<S: Simd> Support<S> {
     #[inline(always)]
-    const fn of(shift: Lanes) -> Self {
+    fn of(simd: S, shift: S::f32s) -> Self {
+        let zero = simd.splat_f32s(0.0);
         Self {
             shift,
-            weight: [0.0; LANES],
-            sum: [0.0; LANES],
+            weight: zero,
+            sum: zero,
         }
     }
 
     #[inline(always)]
-    fn gather(&mut self, dx: &Lanes, weight: &Lanes) {
-        for i in 0..LANES {
-            let shares = (dx[i] - self.shift[i]).abs() <= SAME_PX;
-            let weight = if shares { weight[i] } else { 0.0 };
-            self.weight[i] += weight;
-            self.sum[i] += weight * dx[i];
-        }
+    fn gather(&mut self, simd: S, dx: S::f32s, weight: S::f32s) {
+        let apart = simd.abs_f32s(simd.sub_f32s(dx, self.shift));
+        let beyond = simd.less_than_f32s(simd.splat_f32s(SAME_PX), apart);
+        let weight = simd.select_f32s(beyond, simd.splat_f32s(0.0), weight);
+        self.weight = simd.add_f32s(self.weight, weight);
+        self.sum = simd.mul_add_e_f32s(weight, dx, self.sum);
     }
 }
 
-impl NullaryFnOnce for Choice<'_> {
-    type Output = Lanes;
-
-    /// The shifts of the surfaces that the pixels rather belong to; their own if there is none.
-    #[inline(always)]
-    fn call(self) -> Lanes {
-        let Self {
-            planes,
-            neighbours,
-            place,
-        } = self;
-        let reach = MEETING_REACH.cast_signed();
-        let stride = planes.stride().cast_signed();
-        let own = lanes(&planes.dx, place);
-        let (mut least, mut most) = (own, own);
-        for v in -reach..=reach {
-            for u in -reach..=reach {
-                let dx = lanes(&planes.dx, place.wrapping_add_signed(v * stride + u));
-                for i in 0..LANES {
-                    least[i] = if dx[i] < least[i] { dx[i] } else { least[i] };
-                    most[i] = if dx[i] > most[i] { dx[i] } else { most[i] };
-                }
-            }
+/// The shifts of the surfaces that as many pixels as a vector holds, from a place on, rather belong to;
+/// their own if there is none.
+#[inline(always)]
+fn choose<S: Rough>(
+    simd: S,
+    planes: &NeighbourPlanes,
+    neighbours: &[Neighbour],
+    place: usize,
+) -> S::f32s {
+    let reach = MEETING_REACH.cast_signed();
+    let stride = planes.stride().cast_signed();
+    let own = vector(simd, &planes.dx, place);
+    let (mut least, mut most) = (own, own);
+    for v in -reach..=reach {
+        for u in -reach..=reach {
+            let there = place.wrapping_add_signed(v * stride + u);
+            let dx = vector(simd, &planes.dx, there);
+            (least, most) = (simd.min_f32s(least, dx), simd.max_f32s(most, dx));
         }
-        let mut stay = Support::of(own);
-        let (mut near, mut far) = (Support::of(least), Support::of(most));
-        for neighbour in neighbours {
-            let away = neighbour.v * stride + neighbour.u;
-            let there = place.wrapping_add_signed(away);
-            let dx = lanes(&planes.dx, there);
-            let trust = lanes(&planes.trust, there);
-            let mut weight = planes.colour_steps(place, there);
-            for i in 0..LANES {
-                weight[i] = neighbour.weight * trust[i] * faded(weight[i] * (1.0 / COLOUR));
-            }
-            stay.gather(&dx, &weight);
-            near.gather(&dx, &weight);
-            far.gather(&dx, &weight);
-        }
-        let mut chosen = own;
-        for i in 0..LANES {
-            let nearer = near.weight[i] > far.weight[i];
-            let weight = if nearer {
-                near.weight[i]
-            } else {
-                far.weight[i]
-            };
-            let sum = if nearer { near.sum[i] } else { far.sum[i] };
-            let mean = sum / weight.max(f32::MIN_POSITIVE);
-            let goes = weight > STAY * stay.weight[i];
-            chosen[i] = if goes { mean } else { own[i] };
-        }
-        chosen
     }
+    let mut stay = Support::of(simd, own);
+    let (mut near, mut far) = (Support::of(simd, least), Support::of(simd, most));
+    for neighbour in neighbours {
+        let there = place.wrapping_add_signed(neighbour.v * stride + neighbour.u);
+        let dx = vector(simd, &planes.dx, there);
+        let trust = vector(simd, &planes.trust, there);
+        let trust = simd.mul_f32s(trust, simd.splat_f32s(neighbour.weight));
+        let colours = planes.colour_step(simd, place, there);
+        let weight = simd.mul_f32s(trust, fade(simd, colours, 1.0 / COLOUR));
+        stay.gather(simd, dx, weight);
+        near.gather(simd, dx, weight);
+        far.gather(simd, dx, weight);
+    }
+    let nearer = simd.less_than_f32s(far.weight, near.weight);
+    let weight = simd.select_f32s(nearer, near.weight, far.weight);
+    let sum = simd.select_f32s(nearer, near.sum, far.sum);
+    let mean = simd.quotient(sum, simd.max_f32s(weight, simd.splat_f32s(LEAST_SUM)));
+    let held = simd.mul_f32s(simd.splat_f32s(STAY), stay.weight);
+    let goes = simd.less_than_f32s(held, weight);
+    simd.select_f32s(goes, mean, own)
 }
 
 #[cfg(test)]
@@ -188,7 +233,7 @@ mod tests {
         let around = neighbour_planes::neighbours(RADIUS, (1, false), DISTANCE_PX);
         let (mut found, mut moved) = (dx.clone(), Array2::zeros(dx.dim()));
         let ranges = ranges.of(dx.view());
-        choose_surfaces(&mut found, &planes, &around, ranges, &mut moved);
+        choose_surfaces(&mut found, &planes, &around, ranges.view(), &mut moved);
         (found, moved)
     }
 
