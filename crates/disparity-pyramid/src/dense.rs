@@ -29,6 +29,7 @@ mod heard_codes;
 mod heard_responses;
 mod hyperacuity;
 mod in_noise;
+mod lesser;
 mod local_range;
 mod look_back;
 mod nearest;

@@ -65,6 +65,7 @@ mod estimate_near_first;
 mod estimate_population;
 mod expand;
 mod fill;
+mod first_false;
 mod flow_params;
 mod grid;
 mod left_right;

@@ -3,6 +3,7 @@ use std::ops::Range;
 use ndarray::{Array2, ArrayView2};
 
 use crate::Validity;
+use crate::first_false::first_false;
 
 /// The largest difference in shift of two neighbours of one patch, in pixels.
 const STEP_PX: f32 = 1.0;
@@ -54,7 +55,7 @@ pub(crate) fn reject_speckles(
                 break;
             };
             let start = next + skipped;
-            let length = patches.same[start + 1..].iter().position(|same| !same);
+            let length = first_false(&patches.same[start + 1..]);
             let length = 1 + length.unwrap_or(width - 1 - start);
             patches.begin(y * width + start, length);
             next = start + length;

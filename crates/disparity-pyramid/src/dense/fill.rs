@@ -166,44 +166,56 @@ impl Onward {
         let (Some(dx), Some(known)) = (dx.to_slice(), known.to_slice()) else {
             unreachable!("planes are made in row-major order")
         };
-        for (seen, (dx, known)) in self.own.iter_mut().zip(dx.iter().zip(known)) {
-            *seen = if *known { *dx } else { f32::INFINITY };
-        }
-        for ([latest, before], (step, back)) in self.rows.iter_mut().zip(ONWARD) {
-            let from = if back == 1 { &*latest } else { &*before };
-            let from = &from[FARTHEST.wrapping_add_signed(step)..];
-            let mut next = std::mem::take(&mut self.spare);
-            Arch::new().dispatch(Seen {
-                next: &mut next[FARTHEST..],
-                from,
-                own: &self.own,
-            });
-            self.spare = std::mem::replace(before, std::mem::replace(latest, next));
-        }
+        Arch::new().dispatch(Walked {
+            rows: &mut self.rows,
+            spare: &mut self.spare,
+            own: &mut self.own,
+            dx,
+            known,
+        });
     }
 }
 
-/// What a row is seen to hold in one direction: its own where it knows something, else what it sees.
-struct Seen<'a> {
-    next: &'a mut [f32],
-    from: &'a [f32],
-    own: &'a [f32],
+/// A row on the way: what it knows, and what the rows before it are seen to hold.
+struct Walked<'a> {
+    rows: &'a mut [[Vec<f32>; FARTHEST]; ONWARD.len()],
+    spare: &'a mut Vec<f32>,
+    own: &'a mut [f32],
+    dx: &'a [f32],
+    known: &'a [bool],
 }
 
-impl NullaryFnOnce for Seen<'_> {
+impl NullaryFnOnce for Walked<'_> {
     type Output = ();
 
+    /// In each direction the row's own where it knows something, else what it sees.
     #[inline(always)]
     fn call(self) {
-        let Self { next, from, own } = self;
+        let Self {
+            rows,
+            spare,
+            own,
+            dx,
+            known,
+        } = self;
         let length = own.len();
-        let (next, from) = (&mut next[..length], &from[..length]);
+        let (dx, known) = (&dx[..length], &known[..length]);
         for i in 0..length {
-            next[i] = if own[i] < f32::INFINITY {
-                own[i]
-            } else {
-                from[i]
-            };
+            own[i] = if known[i] { dx[i] } else { f32::INFINITY };
+        }
+        for ([latest, before], (step, back)) in rows.iter_mut().zip(ONWARD) {
+            let from = if back == 1 { &*latest } else { &*before };
+            let from = &from[FARTHEST.wrapping_add_signed(step)..][..length];
+            let next = &mut spare[FARTHEST..][..length];
+            for i in 0..length {
+                next[i] = if own[i] < f32::INFINITY {
+                    own[i]
+                } else {
+                    from[i]
+                };
+            }
+            std::mem::swap(latest, before);
+            std::mem::swap(latest, spare);
         }
     }
 }

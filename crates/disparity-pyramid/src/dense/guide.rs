@@ -2,6 +2,7 @@ use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 use crate::dense::EyeView;
+use crate::dense::nearest::place;
 use crate::dense::noise_level::noise_level;
 
 /// The picture that says where surfaces end: one channel or three, 8 bits each, channel by channel.
@@ -32,8 +33,7 @@ impl NullaryFnOnce for Greys<'_> {
     #[inline(always)]
     fn call(self) {
         for (grey, luma) in self.plane.iter_mut().zip(self.luma) {
-            // Half a step more rounds, as what is below nothing becomes nothing.
-            *grey = (luma * 255.0 + 0.5) as u8;
+            *grey = place((luma * 255.0).clamp(0.0, 255.0)) as u8;
         }
     }
 }

@@ -5,6 +5,7 @@ use v1_gabor::Size;
 
 use crate::dense::bands::bands;
 use crate::dense::fitted::{fit, numbers};
+use crate::dense::lesser::{greater, lesser};
 
 /// Pixels on either side that belong to the neighbourhood.
 const REACH: usize = 2;
@@ -99,18 +100,6 @@ impl NullaryFnOnce for RangeOfRows<'_> {
             range[x] = greater(high, most[x + 2]) - lesser(low, least[x + 2]);
         }
     }
-}
-
-/// The lesser of two numbers: one instruction, since no shift is NaN.
-#[inline(always)]
-fn lesser(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
-/// The greater of two numbers.
-#[inline(always)]
-fn greater(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
 }
 
 #[cfg(test)]

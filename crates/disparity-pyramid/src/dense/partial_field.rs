@@ -6,6 +6,7 @@ use v1_gabor::Size;
 
 use crate::Validity;
 use crate::dense::fitted::{fit, numbers};
+use crate::first_false::first_false;
 
 /// Shifts on the way to a full field: what was found, and what of it counts as known.
 #[derive(Clone, Debug)]
@@ -61,7 +62,7 @@ impl PartialField {
         let (Some(dx), Some(known)) = (dx.to_slice(), known.to_slice()) else {
             unreachable!("planes are made in row-major order")
         };
-        let start = column + known[column..].iter().position(|known| !known)?;
+        let start = column + first_false(&known[column..])?;
         let length = known[start..].iter().position(|known| *known);
         let end = length.map_or(known.len(), |length| start + length);
         let before = known[..start].iter().rev().take_while(|known| **known);

@@ -1,10 +1,12 @@
 use std::ops::Range;
 
 use ndarray::{ArrayView2, s};
+use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 use v1_gabor::Size;
 
 use crate::SearchRange;
+use crate::dense::lesser::{greater, lesser};
 use crate::dense::pixel_cost::LANES;
 
 /// Width and height in pixels of the tiles that share a window: a path crosses from one window to
@@ -43,7 +45,8 @@ pub(crate) struct SearchWindows {
     /// The least and the largest shift that a coarse look has found, tile by tile and, of a row of
     /// tiles together, column by column.
     spans: Vec<(f32, f32)>,
-    extremes: Vec<(f32, f32)>,
+    least: Vec<f32>,
+    most: Vec<f32>,
 }
 
 impl SearchWindows {
@@ -117,25 +120,36 @@ impl SearchWindows {
             first.saturating_sub(AROUND).min(end - 1)..last.min(end)
         };
         self.spans.resize(tiles.area(), (0.0, 0.0));
-        self.extremes.resize(tiles.height * width, (0.0, 0.0));
+        for extremes in [&mut self.least, &mut self.most] {
+            extremes.resize(tiles.height * width, 0.0);
+        }
         self.spans
             .par_chunks_mut(tiles.width)
-            .zip(self.extremes.par_chunks_mut(width))
+            .zip(self.least.par_chunks_mut(width))
+            .zip(self.most.par_chunks_mut(width))
             .enumerate()
-            .for_each(|(tile_y, (spans, extremes))| {
-                extremes.fill((f32::INFINITY, f32::NEG_INFINITY));
+            .for_each(|(tile_y, ((spans, least), most))| {
+                least.fill(f32::INFINITY);
+                most.fill(f32::NEG_INFINITY);
                 let rows = reach(tile_y, TILE.height, height);
                 for row in coarse_dx.slice(s![rows, ..]).rows() {
-                    for (extremes, dx) in extremes.iter_mut().zip(row) {
-                        *extremes = both(*extremes, (*dx, *dx));
-                    }
+                    let Some(row) = row.to_slice() else {
+                        unreachable!("planes are made in row-major order")
+                    };
+                    Arch::new().dispatch(Widen {
+                        least: &mut *least,
+                        most: &mut *most,
+                        row,
+                    });
                 }
                 for (tile_x, span) in spans.iter_mut().enumerate() {
-                    let columns = &extremes[reach(tile_x, TILE.width, width)];
-                    let nothing = (f32::INFINITY, f32::NEG_INFINITY);
-                    *span = columns
-                        .iter()
-                        .fold(nothing, |span, column| both(span, *column));
+                    let columns = reach(tile_x, TILE.width, width);
+                    let least = least[columns.clone()].iter().copied();
+                    let most = most[columns].iter().copied();
+                    *span = (
+                        least.fold(f32::INFINITY, lesser),
+                        most.fold(f32::NEG_INFINITY, greater),
+                    );
                 }
             });
     }
@@ -212,13 +226,25 @@ impl<'a> RowWindows<'a> {
     }
 }
 
-/// The least and the largest of two spans.
-#[inline(always)]
-fn both(one: (f32, f32), other: (f32, f32)) -> (f32, f32) {
-    (
-        if other.0 < one.0 { other.0 } else { one.0 },
-        if other.1 > one.1 { other.1 } else { one.1 },
-    )
+/// The least and the largest shift of each column, and a row that may hold others.
+struct Widen<'a> {
+    least: &'a mut [f32],
+    most: &'a mut [f32],
+    row: &'a [f32],
+}
+
+impl NullaryFnOnce for Widen<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let width = self.row.len();
+        let (least, most) = (&mut self.least[..width], &mut self.most[..width]);
+        for x in 0..width {
+            least[x] = lesser(self.row[x], least[x]);
+            most[x] = greater(self.row[x], most[x]);
+        }
+    }
 }
 
 /// The columns of a tile.

@@ -5,7 +5,7 @@ use crate::SearchRange;
 use crate::dense::bands;
 use crate::dense::cross_arms::CrossArms;
 use crate::dense::fitted::numbers;
-use crate::dense::nearest::nearest;
+use crate::dense::nearest::{nearest, place};
 use crate::dense::partial_field::{PartialField, is_hidden};
 
 /// Votes that carry an election: more than so many, and more than this part of all.
@@ -74,13 +74,20 @@ struct BandRoom {
     elected: Vec<(usize, f32)>,
 }
 
-/// What a pixel says in all elections that it takes part in: the bin of its shift, counted from 1 on, or
-/// 0 if it knows nothing, and where in the bin the shift lies.
+/// What a pixel says in all elections that it takes part in: in the lower half the bin of its shift, counted
+/// from 1 on, or 0 if it knows nothing; in the upper half where in the bin the shift lies, in parts of
+/// [`PARTS`], from half a pixel below the bin's own shift on.
 #[derive(Clone, Copy, Debug, Default)]
-struct Ballot {
-    bin: u16,
-    /// In parts of [`PARTS`], from half a pixel below the bin's own shift on.
-    beyond: u16,
+struct Ballot(u32);
+
+impl Ballot {
+    const fn bin(self) -> u16 {
+        self.0 as u16
+    }
+
+    const fn beyond(self) -> u64 {
+        (self.0 >> 16) as u64
+    }
 }
 
 /// Parts of a pixel that a ballot tells apart.
@@ -131,13 +138,11 @@ impl NullaryFnOnce for FillIn<'_> {
         let least = self.search.least_dx() as f32;
         let most = (self.search.shifts() - 1) as f32;
         for i in 0..length {
-            let bin = nearest(dx[i] - least).clamp(0.0, most);
-            let beyond = (dx[i] - least - bin + 0.5).clamp(0.0, 1.0);
-            let bin = if known[i] { bin + 1.0 } else { 0.0 };
-            self.ballots[i] = Ballot {
-                bin: bin as u16,
-                beyond: (beyond * PARTS + 0.5) as u16,
-            };
+            let shift = dx[i] - least;
+            let bin = nearest(shift).clamp(0.0, most);
+            let beyond = (shift - bin + 0.5).clamp(0.0, 1.0);
+            let bin = if known[i] { place(bin + 1.0) } else { 0 };
+            self.ballots[i] = Ballot(bin as u32 | (place(beyond * PARTS) as u32) << 16);
         }
     }
 }
@@ -156,9 +161,9 @@ fn elect(
     for run in arms.region(x, y).step_by(ROWS) {
         for two_pairs in ballots[run].chunks(2 * BOXES) {
             for (i, ballot) in two_pairs.iter().take(BOXES).enumerate() {
-                boxes[usize::from(ballot.bin)][i] += VOTE + u64::from(ballot.beyond);
-                first = first.min(ballot.bin.wrapping_sub(1));
-                last = last.max(ballot.bin);
+                boxes[usize::from(ballot.bin())][i] += VOTE + ballot.beyond();
+                first = first.min(ballot.bin().wrapping_sub(1));
+                last = last.max(ballot.bin());
             }
         }
     }
