@@ -35,6 +35,7 @@ mod look_back;
 mod nearest;
 mod neighbour_planes;
 mod noise_level;
+mod opponent;
 mod other_eye;
 mod padding;
 mod partial_field;

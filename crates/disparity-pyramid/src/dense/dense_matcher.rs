@@ -14,8 +14,9 @@ use crate::dense::heard_responses::sharpen;
 use crate::dense::hyperacuity::Gates;
 use crate::dense::look_back::look_back;
 use crate::dense::neighbour_planes::{Neighbour, neighbours};
+use crate::dense::opponent::write_opponent;
 use crate::dense::partial_field::PartialField;
-use crate::dense::phase_agreement::COST_ORIENTATIONS;
+use crate::dense::phase_agreement::{COST_ORIENTATIONS, Loudness, Seen};
 use crate::dense::pixel_cost::PixelCost;
 use crate::dense::search_range::SearchRange;
 use crate::dense::slanted_cells::{self, fit_surfaces};
@@ -266,10 +267,22 @@ impl DenseMatcher {
         let (bank, unit) = (&self.cost_bank, penalty.unit);
         match self.params.cost {
             Cost::PhaseAgreement => {
-                let silent = params.silent_energy;
+                let loudness = Loudness {
+                    silent_energy: params.silent_energy,
+                    opponent: params.opponent,
+                    opponent_silent_energy: params.opponent_silent_energy,
+                };
                 let mut cost = std::mem::take(&mut workspace.agreement);
-                let rows = &mut workspace.bank_rows;
-                cost.take_in(bank, lumas, silent, (search, unit), rows)?;
+                let DenseWorkspace {
+                    picture_rows,
+                    opponents,
+                    ..
+                } = workspace;
+                let seen = Binocular {
+                    left: seen(eyes.left, loudness, &mut opponents.left),
+                    right: seen(eyes.right, loudness, &mut opponents.right),
+                };
+                cost.take_in(bank, seen, loudness, (search, unit), picture_rows)?;
                 self.compete(&mut cost, &penalty, search, workspace, dx);
                 workspace.agreement = cost;
             }
@@ -462,6 +475,22 @@ impl From<WrongSize> for WrongView {
             which: "a luma",
             given: wrong.given,
         }
+    }
+}
+
+/// What of an eye's view is compared; `opponent` is room for its opponent colour.
+fn seen<'b, 'a: 'b>(
+    eye: EyeView<'a>,
+    loudness: Loudness,
+    opponent: &'b mut Option<LumaImage>,
+) -> Seen<'b> {
+    let rgb = eye.rgb.filter(|_| loudness.opponent > 0.0);
+    if let Some(rgb) = rgb {
+        write_opponent(rgb, opponent);
+    }
+    Seen {
+        luma: eye.luma,
+        opponent: opponent.as_ref().filter(|_| rgb.is_some()),
     }
 }
 

@@ -11,6 +11,13 @@ pub struct DenseParams {
     /// Energy (squared modulus, for images in `[0, 1]`) at which a response counts half: contrast
     /// below it fades out of the cost. `1e-3` ruins weak texture.
     pub silent_energy: f32,
+    /// How much the responses to an opponent colour, red against cyan, count in the cost against those to luma,
+    /// where the eyes see colours: what luma does not tell apart may be told by it. 0 compares luma alone, in
+    /// two thirds of the time.
+    pub opponent: f32,
+    /// Energy, counted with that weight, at which a response to the opponent colour counts half: cameras
+    /// see colours with more noise and less detail than luma.
+    pub opponent_silent_energy: f32,
     /// Whether surfaces may end where the colour changes, or only where the luma does.
     pub colour: bool,
     /// How far beyond what a look at a quarter of the size finds around a pixel its own shift is searched,
@@ -97,14 +104,16 @@ impl DenseParams {
         Self {
             cost: Cost::PhaseAgreement,
             silent_energy: 3e-7,
+            opponent: 1.5,
+            opponent_silent_energy: 1e-4,
             colour: true,
             narrow_px: None,
             small_step: 1.0,
-            large_step: 16.0,
+            large_step: 15.0,
             edge_softness: 0.014,
             noisy: 0.011,
             look_back: LookBack::OwnPaths,
-            left_right_px: 1.0,
+            left_right_px: 1.1,
             least_patch: 30,
             votes: 3,
             median: true,
@@ -116,12 +125,13 @@ impl DenseParams {
         }
     }
 
-    /// For robots: one aggregation for both eyes, the cost's own bank for hyperacuity, grey guides, one
-    /// round of votes, smaller surface cells, and few neighbours that choose surfaces.
+    /// For robots: one aggregation for both eyes, luma alone and grey guides, the cost's own bank for
+    /// hyperacuity, one round of votes, smaller surface cells, and few neighbours that choose surfaces.
     #[must_use]
     pub const fn fast() -> Self {
         Self {
             silent_energy: 5e-7,
+            opponent: 0.0,
             colour: false,
             narrow_px: Some(6),
             small_step: 1.05,
@@ -183,6 +193,14 @@ impl DenseParams {
         within(
             "silent_energy",
             self.silent_energy,
+            0.0,
+            f32::MAX,
+            "not negative, and finite",
+        )?;
+        within("opponent", self.opponent, 0.0, 100.0, "from 0 to 100")?;
+        within(
+            "opponent_silent_energy",
+            self.opponent_silent_energy,
             0.0,
             f32::MAX,
             "not negative, and finite",

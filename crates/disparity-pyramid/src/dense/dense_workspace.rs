@@ -11,7 +11,7 @@ use crate::dense::heard_responses::AcuityRoom;
 use crate::dense::local_range::LocalRange;
 use crate::dense::look_back::RowRoom;
 use crate::dense::neighbour_planes::NeighbourPlanes;
-use crate::dense::phase_agreement::PhaseAgreement;
+use crate::dense::phase_agreement::{PhaseAgreement, PictureRows};
 use crate::dense::phase_quadrants::PhaseQuadrants;
 use crate::dense::search_windows::SearchWindows;
 use crate::dense::voting::VoteRoom;
@@ -34,6 +34,9 @@ pub struct DenseWorkspace {
     pub(crate) agreement: PhaseAgreement,
     pub(crate) quadrants: PhaseQuadrants,
     pub(crate) bank_rows: Vec<BankRows>,
+    pub(crate) picture_rows: Vec<PictureRows>,
+    /// The eyes' opponent colours, if they are compared.
+    pub(crate) opponents: Binocular<Option<LumaImage>>,
     pub(crate) paths: PathRoom,
     pub(crate) margin: Array2<u8>,
     pub(crate) other_dx: Array2<f32>,

@@ -132,6 +132,7 @@ mod tests {
 
     use super::*;
     use crate::dense::heard_responses::sharpen;
+    use crate::dense::phase_agreement::{Loudness, Seen};
     use crate::{SearchRange, Validity};
 
     /// Codes say what the responses say that they are made of.
@@ -154,6 +155,11 @@ mod tests {
             left: &left,
             right: &right,
         };
+        let loudness = Loudness {
+            silent_energy: 1e-9,
+            opponent: 0.0,
+            opponent_silent_energy: 0.0,
+        };
         let params = GaborParams {
             orientations: COST_ORIENTATIONS,
             scales: 1,
@@ -163,7 +169,13 @@ mod tests {
         let search = SearchRange::new(-9, 9).unwrap();
         let mut agreement = PhaseAgreement::default();
         agreement
-            .take_in(&bank, eyes, 1e-9, (search, 30), &mut Vec::new())
+            .take_in(
+                &bank,
+                eyes.map(Seen::luma),
+                loudness,
+                (search, 30),
+                &mut Vec::new(),
+            )
             .unwrap();
         let guess = |(y, x): (usize, usize)| 3.2 + 0.35 * ((7 * x + 13 * y) as f32).sin();
         let before = Array2::from_shape_fn(size.dim(), guess);
