@@ -12,7 +12,7 @@ use crate::masks::Masks;
 use crate::metrics::Metrics;
 
 /// The preset with one ingredient exchanged or left out at a time.
-fn variants(preset: DenseParams) -> [(&'static str, DenseParams); 14] {
+fn variants(preset: DenseParams) -> [(&'static str, DenseParams); 16] {
     [
         ("as it is", preset),
         (
@@ -33,6 +33,20 @@ fn variants(preset: DenseParams) -> [(&'static str, DenseParams); 14] {
             "quadrants for phase agreement",
             DenseParams {
                 cost: Cost::PhaseQuadrants,
+                ..preset
+            },
+        ),
+        (
+            "luma alone in the cost",
+            DenseParams {
+                opponent: 0.0,
+                ..preset
+            },
+        ),
+        (
+            "an opponent colour beside luma in the cost",
+            DenseParams {
+                opponent: DenseParams::best().opponent,
                 ..preset
             },
         ),

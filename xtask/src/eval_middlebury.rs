@@ -1,7 +1,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{Context, bail};
+use anyhow::{Context, bail, ensure};
 use clap::Args;
 use disparity_pyramid::MatchParams;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -149,6 +149,14 @@ pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
     if options.check {
         bounds::check(&evaluation.scenes)?;
         textured_marks::check(&evaluation.textured)?;
+        if options.estimator == Estimator::Dense {
+            let missed = marks::missed(&evaluation.scenes, options.preset);
+            ensure!(
+                missed.is_empty(),
+                "marks are missed:\n{}",
+                missed.join("\n")
+            );
+        }
         println!("\nEvery bound holds.");
     }
     Ok(())
