@@ -12,7 +12,6 @@ mod alteration;
 mod altered_truth;
 mod bank_pictures;
 mod bench;
-mod bench_page;
 mod bounds;
 mod calculus_pictures;
 mod calculus_results;

@@ -1,8 +1,8 @@
-use crate::bench::Report;
+use super::report::Report;
 use crate::markdown_table::MarkdownTable;
 
 /// The page of what was measured.
-pub(crate) fn bench_page(report: &Report) -> String {
+pub(super) fn bench_page(report: &Report) -> String {
     let mut page = format!(
         "# Speed\n\nWritten by `{}` on {}, on {} ({} cores), {}, {} build. Medians of {} rounds, in each of which \
          every contestant runs once, with {} thread{} each{}. The vector pyramid and DIS (OpenCV's optical flow, medium preset) see the \
