@@ -1,14 +1,31 @@
 mod at_size;
+mod callgrind;
+mod ceilings;
+mod contender;
 mod contestants;
+mod counts;
 mod dense_stream;
+mod depths;
+mod flops;
+pub(crate) mod frames;
+mod look_memory;
+mod matching;
 mod median;
-mod ours;
+mod memory_use;
+mod objects;
 mod page;
 mod pair;
 mod peers;
+mod picture;
 mod ratios;
 mod report;
+mod responding;
+mod scene;
+mod shares;
 mod size_argument;
+mod spread;
+mod unfused;
+mod whole_look;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -22,11 +39,17 @@ use crate::docs_folder::docs_folder;
 use crate::eval_middlebury::{progress, write_file};
 use crate::machine::Machine;
 use crate::python_environment;
-use at_size::at_size;
+use at_size::{Programs, at_size};
+use ceilings::Roof;
+use counts::counts;
+use look_memory::{dorsal, mark_mib};
 use page::bench_page;
+use picture::{PICTURE, picture};
 use ratios::ratios;
 use report::Report;
+use shares::shares;
 use size_argument::size;
+use spread::spreads;
 
 /// Disparities that the dense estimators search, ours and others.
 const SHIFTS: usize = 128;
@@ -38,12 +61,15 @@ const SHIFTS: usize = 128;
 /// goes from the images to the field: for the vector pyramid with both banks. With --peers OpenCV's
 /// SGBM, its three-way mode, BM (all with 128 disparities) and DIS run in the same rounds, in a
 /// Python of their own (see compare-opencv). A whole look goes on from both fields to depths, objects and
-/// relations. Some contestants run on two threads too. Writes docs/performance.md if all sizes run with --peers.
+/// relations. Some contestants run on two threads too. Beside the times it measures what each asks of the
+/// allocator, what `dorsal look` holds in memory, and what a core can do at the most. Writes
+/// docs/performance.md and its picture if all sizes run with --peers.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
   cargo xtask bench
   cargo xtask bench --size 1024x768 --peers --json out/bench.json
+  cargo xtask bench --peers --counts --rounds 5
   cargo xtask bench --size 640x480 --threads 2 --rounds 21")]
 pub(crate) struct Options {
     /// Size of the images; may be given more than once. Without it 384x288, 640x480, 1024x768 and
@@ -59,6 +85,9 @@ pub(crate) struct Options {
     /// Run OpenCV's matchers too
     #[arg(long)]
     peers: bool,
+    /// Count instructions too, with valgrind where it is there; takes minutes
+    #[arg(long)]
+    counts: bool,
     /// A Python that has numpy and OpenCV already; nothing is installed then
     #[arg(long, value_name = "PATH", requires = "peers")]
     python: Option<PathBuf>,
@@ -86,25 +115,48 @@ pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
         }
     };
     let mut report = Report {
-        schema: "dorsal-bench-1",
+        schema: "dorsal-bench-2",
         date: date::today(),
         machine: Machine::this(),
         command: command(options),
         threads: options.threads,
         rounds: options.rounds,
         opencv: None,
+        ceilings: None,
         sizes: Vec::new(),
+        spreads: Vec::new(),
+        counts: Vec::new(),
+        uncounted: None,
         ratios: BTreeMap::new(),
     };
+    let marked = sizes.iter().any(|&size| mark_mib(size).is_some());
+    let dorsal = if marked { Some(dorsal()?) } else { None };
+    let programs = Programs {
+        python: python.as_deref(),
+        dorsal: dorsal.as_deref(),
+    };
+    let mut roof = Roof::new();
     let bar = progress(false);
     bar.set_length(sizes.len() as u64 * u64::from(options.rounds));
     for &size in &sizes {
-        let (at_size, version) = at_size(size, python.as_deref(), options, &bar)?;
+        let (at_size, version) = at_size(size, programs, options, &mut roof, &bar)?;
         report.sizes.push(at_size);
         report.opencv = version;
     }
     bar.finish_and_clear();
+    let ceilings = roof.ceilings();
+    for at in &mut report.sizes {
+        at.shares = shares(at, &ceilings);
+    }
+    report.ceilings = Some(ceilings);
+    report.spreads = spreads(&report.sizes);
     report.ratios = ratios(&report.sizes);
+    if options.counts {
+        match counts()? {
+            Ok(counts) => report.counts = counts,
+            Err(why) => report.uncounted = Some(why),
+        }
+    }
     println!("{}", bench_page(&report));
     if let Some(path) = &options.json {
         write_file(path, &serde_json::to_vec_pretty(&report)?)?;
@@ -114,6 +166,9 @@ pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
         && let Some(docs) = docs_folder()
     {
         write_file(&docs.join("performance.md"), bench_page(&report).as_bytes())?;
+        if let Some(svg) = picture(&report) {
+            write_file(&docs.join(PICTURE), svg.as_bytes())?;
+        }
     }
     Ok(())
 }
@@ -126,6 +181,9 @@ fn command(options: &Options) -> String {
     }
     if options.peers {
         command += " --peers";
+    }
+    if options.counts {
+        command += " --counts";
     }
     command + &format!(" --threads {} --rounds {}", options.threads, options.rounds)
 }
@@ -145,6 +203,7 @@ mod tests {
             rounds: 1,
             threads: 1,
             peers: false,
+            counts: false,
             python: None,
             json: None,
         };
@@ -152,7 +211,24 @@ mod tests {
             width: 160,
             height: 120,
         };
-        let (at_size, version) = at_size(size, None, &options, &ProgressBar::hidden()).unwrap();
+        let mut roof = Roof::new();
+        let (at_size, version) = at_size(
+            size,
+            Programs::default(),
+            &options,
+            &mut roof,
+            &ProgressBar::hidden(),
+        )
+        .unwrap();
+        assert!(at_size.memory.iter().all(|one| one.workspace_bytes > 0));
+        let ceilings = roof.ceilings();
+        assert!(ceilings.fma_gflops > 0.0 && ceilings.copy_gb_s > 0.0);
+        let shares = shares(&at_size, &ceilings);
+        assert!(
+            shares
+                .iter()
+                .all(|share| share.of_fma > 0.0 && share.of_fma < 1.0)
+        );
         assert_eq!(at_size.contestants.len(), OURS.len());
         assert!(at_size.contestants.iter().all(|one| one.wall_ms > 0.0));
         assert_eq!(at_size.two_threads.len(), ON_TWO.len());

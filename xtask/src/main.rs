@@ -24,6 +24,7 @@ mod compare_opencv;
 mod comparison;
 mod confidence_run;
 mod continuous;
+mod counting_allocator;
 mod curve_svg;
 mod data_folder;
 mod dataflow;
@@ -95,11 +96,14 @@ mod textured_marks;
 mod vergent_run;
 mod visible;
 mod wheel;
-mod whole_look;
 
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+
+/// The bench tells what its contestants ask of it.
+#[global_allocator]
+static ALLOCATOR: counting_allocator::CountingAllocator = counting_allocator::CountingAllocator;
 
 /// The project's own tasks.
 ///
@@ -115,6 +119,8 @@ struct Tasks {
 enum Task {
     BankPictures(bank_pictures::Options),
     Bench(bench::Options),
+    #[command(hide = true)]
+    BenchFrames(bench::frames::Options),
     EvalCalibration(eval_calibration::Options),
     EvalDenseRobustness(eval_dense_robustness::Options),
     EvalDepth(eval_depth::Options),
@@ -143,6 +149,7 @@ fn main() -> ExitCode {
     let Tasks { task } = Tasks::parse();
     let done = match task {
         Task::Bench(options) => bench::run(&options),
+        Task::BenchFrames(options) => bench::frames::run(&options),
         Task::BankPictures(options) => bank_pictures::run(&options),
         Task::EvalCalibration(options) => eval_calibration::run(&options),
         Task::EvalDenseRobustness(options) => eval_dense_robustness::run(&options),

@@ -1,19 +1,49 @@
-use disparity_pyramid::{DenseMatcher, DenseParams, DenseWorkspace, DisparityField};
-use v1_gabor::Size;
+use std::hint::black_box;
+
+use disparity_pyramid::{
+    DenseMatcher, DenseParams, DenseWorkspace, DisparityField, EyeView, SearchRange,
+};
+use v1_gabor::{Binocular, LumaImage};
+
+use super::contender::Contender;
+use super::scene::search;
 
 /// The dense estimator, with what it keeps from frame to frame.
-pub(super) struct DenseStream {
-    pub(super) matcher: DenseMatcher,
-    pub(super) workspace: DenseWorkspace,
-    pub(super) field: DisparityField,
+pub(super) struct DenseStream<'a> {
+    images: &'a Binocular<LumaImage>,
+    search: SearchRange,
+    matcher: DenseMatcher,
+    workspace: DenseWorkspace,
+    field: DisparityField,
 }
 
-impl DenseStream {
-    pub(super) fn plan(params: DenseParams, size: Size) -> anyhow::Result<Self> {
+impl<'a> DenseStream<'a> {
+    pub(super) fn plan(
+        params: DenseParams,
+        images: &'a Binocular<LumaImage>,
+    ) -> anyhow::Result<Self> {
         Ok(Self {
-            matcher: DenseMatcher::plan(params, size)?,
+            matcher: DenseMatcher::plan(params, images.left.size())?,
+            search: search()?,
             workspace: DenseWorkspace::new(),
             field: DisparityField::default(),
+            images,
         })
+    }
+}
+
+impl Contender for DenseStream<'_> {
+    fn run(&mut self) -> anyhow::Result<()> {
+        let views = self.images.as_ref().map(EyeView::grey);
+        let Self {
+            matcher,
+            search,
+            workspace,
+            field,
+            ..
+        } = self;
+        matcher.estimate_into(&views, *search, workspace, field)?;
+        black_box(field);
+        Ok(())
     }
 }

@@ -1,6 +1,7 @@
 use std::path::{Path, PathBuf};
 
 use egocentric_depth::StereoRig;
+use stereo_formats::picture;
 use stereo_scenes::{Gaze, Room};
 use v1_gabor::{Binocular, LumaImage, Size};
 
@@ -23,22 +24,36 @@ pub(super) fn parallel_gaze(room: &Room, size: Size) -> anyhow::Result<Gaze> {
     Ok(Gaze::new(head.position_m, head.heading_rad, size, rig)?)
 }
 
-/// Both pictures as files that OpenCV reads.
+/// Both pictures as files that OpenCV reads, named after the pair.
 pub(super) fn write_pair(
     images: &Binocular<LumaImage>,
     folder: &Path,
+    pair: &str,
 ) -> anyhow::Result<Binocular<PathBuf>> {
-    let write = |image: &LumaImage, name: &str| -> anyhow::Result<PathBuf> {
+    let paths = paths(folder, pair);
+    let write = |image: &LumaImage, path: &Path| {
         let Size { width, height } = image.size();
         let grey = image.plane().mapv(|luma| (255.0 * luma).round() as u8);
-        let path = folder.join(name);
         let mut bytes = format!("P5\n{width} {height}\n255\n").into_bytes();
         bytes.extend(grey.iter());
-        write_file(&path, &bytes)?;
-        Ok(path)
+        write_file(path, &bytes)
     };
-    Ok(Binocular {
-        left: write(&images.left, "left.pgm")?,
-        right: write(&images.right, "right.pgm")?,
-    })
+    write(&images.left, &paths.left)?;
+    write(&images.right, &paths.right)?;
+    Ok(paths)
+}
+
+/// The pair that was written under this name.
+pub(super) fn read_pair(folder: &Path, pair: &str) -> anyhow::Result<Binocular<LumaImage>> {
+    let paths = paths(folder, pair);
+    Ok(picture::read_luma_pair(
+        paths.as_ref().map(PathBuf::as_path),
+    )?)
+}
+
+fn paths(folder: &Path, pair: &str) -> Binocular<PathBuf> {
+    Binocular {
+        left: folder.join(format!("{pair}-left.pgm")),
+        right: folder.join(format!("{pair}-right.pgm")),
+    }
 }

@@ -17,7 +17,7 @@ pub(super) fn start_peers(
     threads: usize,
 ) -> anyhow::Result<OpencvClock> {
     let folder = tempfile::tempdir().context("there is no room for the pictures")?;
-    let paths = write_pair(images, folder.path())?;
+    let paths = write_pair(images, folder.path(), "pair")?;
     // The script has read the pictures when it has started.
     OpencvClock::start(python, (&paths.left, &paths.right), SHIFTS, threads)
 }

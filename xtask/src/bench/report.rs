@@ -4,6 +4,12 @@ use std::time::Duration;
 use serde::Serialize;
 use v1_gabor::Size;
 
+use super::ceilings::Ceilings;
+use super::counts::Count;
+use super::look_memory::LookMemory;
+use super::memory_use::MemoryUse;
+use super::shares::Share;
+use super::spread::Spread;
 use crate::clocked::Clocked;
 use crate::machine::Machine;
 
@@ -18,7 +24,15 @@ pub(crate) struct Report {
     pub(crate) rounds: u16,
     /// OpenCV's version, if it ran.
     pub(crate) opencv: Option<String>,
+    /// What a core can do, in the same run.
+    pub(crate) ceilings: Option<Ceilings>,
     pub(crate) sizes: Vec<AtSize>,
+    /// How the time a pixel varies over the sizes, if there are several.
+    pub(crate) spreads: Vec<Spread>,
+    /// Instructions, if they were counted.
+    pub(crate) counts: Vec<Count>,
+    /// Why they were not, if they were asked for.
+    pub(crate) uncounted: Option<String>,
     /// How many times faster than OpenCV's SGBM, by CPU medians (with peers only; `vector_vs_sgbm` is the
     /// pyramid without its look back, `vector_default_vs_sgbm` with it), and whole looks a second by the
     /// median wall time on two threads, at the size that comes nearest to 1024 x 768.
@@ -33,6 +47,12 @@ pub(crate) struct AtSize {
     pub(crate) contestants: Vec<Contestant>,
     /// The same on two threads, for those that are asked.
     pub(crate) two_threads: Vec<TwoThreads>,
+    /// What ours ask of the allocator.
+    pub(crate) memory: Vec<MemoryUse>,
+    /// How near the vector pyramid comes to the ceilings.
+    pub(crate) shares: Vec<Share>,
+    /// What `dorsal look` holds at the most.
+    pub(crate) looks: Vec<LookMemory>,
 }
 
 /// One contestant on one thread and on two, in the same rounds.
@@ -56,7 +76,7 @@ pub(crate) struct Contestant {
 }
 
 impl Contestant {
-    pub(crate) fn new(name: &'static str, runs: &[Clocked], size: Size) -> Self {
+    pub(super) fn new(name: &'static str, runs: &[Clocked], size: Size) -> Self {
         let sorted = |of: fn(&Clocked) -> Duration| {
             let mut times: Vec<f64> = runs.iter().map(|run| of(run).as_secs_f64() * 1e3).collect();
             times.sort_by(f64::total_cmp);

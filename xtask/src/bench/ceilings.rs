@@ -1,0 +1,93 @@
+use std::hint::black_box;
+
+use pulp::{Arch, Simd, WithSimd};
+use serde::Serialize;
+
+use super::median::median;
+use crate::clocked::clocked;
+
+/// What one core of this machine can do, measured in the same rounds as the contestants.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct Ceilings {
+    /// Fused multiplications and additions in the widest vectors, in 10^9 operations a second, two to
+    /// each.
+    pub(crate) fma_gflops: f64,
+    /// Bytes read and written by a copy that no cache holds, in 10^9 a second.
+    pub(crate) copy_gb_s: f64,
+}
+
+/// Measures the ceilings round after round.
+pub(super) struct Roof {
+    from: Vec<f32>,
+    to: Vec<f32>,
+    gflops: Vec<f64>,
+    gb_s: Vec<f64>,
+}
+
+/// Numbers of a copy: several times what the caches hold.
+const COPIED: usize = 16 << 20;
+
+/// Sums that do not wait for one another: more than twice as many as steps that one takes, and not
+/// more than there are registers.
+const SUMS: usize = 12;
+
+/// Steps of each sum.
+const STEPS: usize = 1 << 21;
+
+impl Roof {
+    pub(super) fn new() -> Self {
+        Self {
+            from: vec![1.0; COPIED],
+            to: vec![0.0; COPIED],
+            gflops: Vec::new(),
+            gb_s: Vec::new(),
+        }
+    }
+
+    /// One measurement of each.
+    pub(super) fn measure(&mut self) {
+        let (lanes, took) = clocked(|| Arch::new().dispatch(Fma));
+        let operations = (2 * SUMS * STEPS * lanes) as f64;
+        self.gflops.push(operations / took.cpu.as_secs_f64() / 1e9);
+        let Self { from, to, .. } = self;
+        let ((), took) = clocked(|| {
+            black_box(&mut *to).copy_from_slice(black_box(from));
+        });
+        black_box(to);
+        let bytes = (2 * COPIED * size_of::<f32>()) as f64;
+        self.gb_s.push(bytes / took.cpu.as_secs_f64() / 1e9);
+    }
+
+    /// The medians.
+    pub(super) fn ceilings(self) -> Ceilings {
+        Ceilings {
+            fma_gflops: median(self.gflops),
+            copy_gb_s: median(self.gb_s),
+        }
+    }
+}
+
+/// Independent sums in the machine's vectors; gives how many lanes these have.
+struct Fma;
+
+impl WithSimd for Fma {
+    type Output = usize;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> usize {
+        let factor = simd.splat_f32s(black_box(0.999));
+        let term = simd.splat_f32s(black_box(0.001));
+        let mut sums = [term; SUMS];
+        for _ in 0..STEPS {
+            for i in 0..SUMS {
+                sums[i] = simd.mul_add_e_f32s(sums[i], factor, term);
+            }
+        }
+        let mut sum = 0.0;
+        for i in 0..SUMS {
+            sum += simd.reduce_sum_f32s(sums[i]);
+        }
+        black_box(sum);
+        S::F32_LANES
+    }
+}
