@@ -41,7 +41,7 @@ use crate::machine::Machine;
 use crate::python_environment;
 use at_size::{Programs, at_size};
 use ceilings::Roof;
-use counts::counts;
+use counts::{COUNTED, counts};
 use look_memory::{dorsal, mark_mib};
 use page::bench_page;
 use picture::{PICTURE, picture};
@@ -152,7 +152,7 @@ pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
     report.spreads = spreads(&report.sizes);
     report.ratios = ratios(&report.sizes);
     if options.counts {
-        match counts()? {
+        match counts(&COUNTED)? {
             Ok(counts) => report.counts = counts,
             Err(why) => report.uncounted = Some(why),
         }

@@ -4,8 +4,14 @@ use std::process::{Command, Stdio};
 
 use anyhow::{Context, ensure};
 
-/// Instructions by the function that they stand in, what was inlined counting for where it went.
-pub(super) type Instructions = BTreeMap<String, u64>;
+/// Instructions by function; what was inlined counts for where it went.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct Instructions {
+    /// Those of a function itself.
+    pub(super) own: BTreeMap<String, u64>,
+    /// With those of all that it calls. Too many of one that calls itself.
+    pub(super) with_calls: BTreeMap<String, u64>,
+}
 
 /// Whether valgrind is there.
 pub(super) fn is_there() -> bool {
@@ -18,16 +24,22 @@ pub(super) fn is_there() -> bool {
 }
 
 /// The instructions of a frame of this contestant before the scene in a folder, when everything is
-/// planned: those of four frames less those of two, halved.
+/// planned: those of two frames less those of one.
 pub(super) fn of_a_frame(name: &str, scene: &Path) -> anyhow::Result<Instructions> {
-    let (two, four) = (of_frames(name, scene, 2)?, of_frames(name, scene, 4)?);
-    let of_one = four.into_iter().map(|(function, instructions)| {
-        let before = two.get(&function).copied().unwrap_or(0);
-        (function, instructions.saturating_sub(before) / 2)
+    let (one, two) = (of_frames(name, scene, 1)?, of_frames(name, scene, 2)?);
+    Ok(Instructions {
+        own: less(two.own, &one.own),
+        with_calls: less(two.with_calls, &one.with_calls),
+    })
+}
+
+/// What is left of each.
+fn less(of: BTreeMap<String, u64>, taken: &BTreeMap<String, u64>) -> BTreeMap<String, u64> {
+    let rest = of.into_iter().map(|(function, instructions)| {
+        let taken = taken.get(&function).copied().unwrap_or(0);
+        (function, instructions.saturating_sub(taken))
     });
-    Ok(of_one
-        .filter(|(_, instructions)| *instructions > 0)
-        .collect())
+    rest.filter(|(_, instructions)| *instructions > 0).collect()
 }
 
 /// Those of a whole process that runs so many frames.
@@ -50,45 +62,52 @@ fn of_frames(name: &str, scene: &Path, frames: u16) -> anyhow::Result<Instructio
     parse(&text).with_context(|| format!("valgrind wrote no instructions of {name}"))
 }
 
-/// Reads the instructions of each function itself, without those it calls.
+/// Reads the instructions of each function.
 ///
 /// A line `fn=(ID) NAME` begins a function, the name being given the first time only; lines of a place and a
-/// number are its instructions; the one after a line `calls=` belongs to what is called. `None` if there are none.
+/// number are its instructions; the one after a line `calls=` is what the function of the line `cfn=` took
+/// with all that it calls. `None` if there are none.
 fn parse(text: &str) -> Option<Instructions> {
     let mut names: BTreeMap<&str, &str> = BTreeMap::new();
-    let mut found = Instructions::new();
-    let (mut function, mut is_call) = ("", false);
+    let (mut own, mut called) = (BTreeMap::new(), BTreeMap::new());
+    let (mut function, mut callee, mut is_call) = ("", "", false);
     for line in text.lines() {
-        let named = ["fn=", "cfn="]
-            .iter()
-            .find_map(|key| line.strip_prefix(key));
-        if let Some(named) = named {
+        if let Some((key @ ("fn" | "cfn"), named)) = line.split_once('=') {
             let (id, name) = named.split_once(' ').unwrap_or((named, ""));
             if !name.is_empty() {
                 names.insert(id, name);
             }
-            if line.starts_with("fn=") {
-                function = id;
-            }
+            *(if key == "fn" {
+                &mut function
+            } else {
+                &mut callee
+            }) = id;
         } else if line.starts_with("calls=") {
             is_call = true;
         } else if line.starts_with(|first: char| first.is_ascii_digit() || "+-*".contains(first)) {
-            let cost = line
-                .split(' ')
-                .nth(1)
-                .and_then(|cost| cost.parse::<u64>().ok());
-            if let (Some(cost), false) = (cost, is_call) {
-                *found.entry(function.to_owned()).or_default() += cost;
+            let cost = line.split(' ').nth(1).and_then(|cost| cost.parse().ok());
+            let cost: u64 = cost.unwrap_or(0);
+            if is_call {
+                *called.entry(callee).or_default() += cost;
+            } else {
+                *own.entry(function).or_default() += cost;
             }
             is_call = false;
         }
     }
-    let mut by_name = Instructions::new();
-    for (id, instructions) in found {
-        let name = names.get(id.as_str()).copied().unwrap_or("unknown");
-        *by_name.entry(name.to_owned()).or_default() += instructions;
-    }
-    (!by_name.is_empty()).then_some(by_name)
+    // A name may stand in several files, under several numbers.
+    let by_name = |by_id: BTreeMap<&str, u64>| {
+        let mut by_name = BTreeMap::new();
+        for (id, instructions) in by_id {
+            let name = names.get(id).copied().unwrap_or("unknown");
+            *by_name.entry(name.to_owned()).or_default() += instructions;
+        }
+        by_name
+    };
+    (!own.is_empty()).then(|| Instructions {
+        own: by_name(own),
+        with_calls: by_name(called),
+    })
 }
 
 #[cfg(test)]
@@ -100,8 +119,8 @@ mod tests {
         let text = "events: Ir\nfl=(1) a.rs\nfn=(1) main\n16 400\ncfn=(2) filter\ncalls=3 20\n\
                     16 9000\n+1 5\n\nfn=(2)\n20 8000\n* 1000\n\ntotals: 9405\n";
         let found = parse(text).unwrap();
-        assert_eq!(found["main"], 405);
-        assert_eq!(found["filter"], 9000);
+        assert_eq!((found.own["main"], found.own["filter"]), (405, 9000));
+        assert_eq!(found.with_calls["filter"], 9000);
         assert!(parse("events: Ir\n").is_none());
     }
 }

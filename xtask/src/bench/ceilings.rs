@@ -12,6 +12,8 @@ pub(crate) struct Ceilings {
     /// Fused multiplications and additions in the widest vectors, in 10^9 operations a second, two to
     /// each.
     pub(crate) fma_gflops: f64,
+    /// The same in vectors of eight lanes (AVX2), where the machine has wider ones.
+    pub(crate) eight_lanes_gflops: Option<f64>,
     /// Bytes read and written by a copy that no cache holds, in 10^9 a second.
     pub(crate) copy_gb_s: f64,
 }
@@ -21,6 +23,7 @@ pub(super) struct Roof {
     from: Vec<f32>,
     to: Vec<f32>,
     gflops: Vec<f64>,
+    eight_lanes: Vec<f64>,
     gb_s: Vec<f64>,
 }
 
@@ -40,15 +43,19 @@ impl Roof {
             from: vec![1.0; COPIED],
             to: vec![0.0; COPIED],
             gflops: Vec::new(),
+            eight_lanes: Vec::new(),
             gb_s: Vec::new(),
         }
     }
 
     /// One measurement of each.
     pub(super) fn measure(&mut self) {
-        let (lanes, took) = clocked(|| Arch::new().dispatch(Fma));
-        let operations = (2 * SUMS * STEPS * lanes) as f64;
-        self.gflops.push(operations / took.cpu.as_secs_f64() / 1e9);
+        let arch = Arch::new();
+        self.gflops.push(gflops(|| arch.dispatch(Fma)));
+        #[cfg(target_arch = "x86_64")]
+        if let Arch::V4(v4) = arch {
+            self.eight_lanes.push(gflops(|| Simd::vectorize(*v4, Fma)));
+        }
         let Self { from, to, .. } = self;
         let ((), took) = clocked(|| {
             black_box(&mut *to).copy_from_slice(black_box(from));
@@ -62,9 +69,16 @@ impl Roof {
     pub(super) fn ceilings(self) -> Ceilings {
         Ceilings {
             fma_gflops: median(self.gflops),
+            eight_lanes_gflops: (!self.eight_lanes.is_empty()).then(|| median(self.eight_lanes)),
             copy_gb_s: median(self.gb_s),
         }
     }
+}
+
+/// How fast a run goes of which its number of lanes is known afterwards.
+fn gflops(run: impl FnOnce() -> usize) -> f64 {
+    let (lanes, took) = clocked(run);
+    (2 * SUMS * STEPS * lanes) as f64 / took.cpu.as_secs_f64() / 1e9
 }
 
 /// Independent sums in the machine's vectors; gives how many lanes these have.

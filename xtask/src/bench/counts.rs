@@ -2,7 +2,7 @@ use anyhow::Context;
 use serde::Serialize;
 use v1_gabor::Size;
 
-use super::callgrind;
+use super::callgrind::{self, Instructions};
 use super::contestants::{DENSE_FAST, LOOK, NO_LOOK_BACK, ONE_WARP, RESPONSES, UNFUSED, VECTOR};
 use super::scene::Scene;
 
@@ -14,12 +14,13 @@ pub(crate) struct Count {
     pub(crate) instructions_a_pixel: f64,
     /// What it may be at the most.
     pub(crate) mark: Option<f64>,
-    /// By function, the most first.
-    pub(crate) functions: Vec<(String, f64)>,
+    /// By function, of all pixels.
+    #[serde(skip)]
+    pub(super) instructions: Instructions,
 }
 
 /// Whose are counted.
-const COUNTED: [&str; 7] = [
+pub(super) const COUNTED: [&str; 7] = [
     RESPONSES,
     NO_LOOK_BACK,
     VECTOR,
@@ -39,8 +40,8 @@ pub(crate) const SIZE: Size = Size {
     height: 480,
 };
 
-/// All counts; in their place the reason where there is no valgrind.
-pub(super) fn counts() -> anyhow::Result<Result<Vec<Count>, String>> {
+/// The counts of these; in their place the reason where there is no valgrind.
+pub(super) fn counts(names: &[&'static str]) -> anyhow::Result<Result<Vec<Count>, String>> {
     if !callgrind::is_there() {
         return Ok(Err("valgrind is not there".to_owned()));
     }
@@ -48,18 +49,14 @@ pub(super) fn counts() -> anyhow::Result<Result<Vec<Count>, String>> {
     Scene::render(SIZE)?.write(folder.path())?;
     let count = |name: &'static str| {
         let instructions = callgrind::of_a_frame(name, folder.path())?;
-        let mut functions: Vec<(String, f64)> = instructions
-            .into_iter()
-            .map(|(function, instructions)| (function, instructions as f64 / SIZE.area() as f64))
-            .collect();
-        functions.sort_by(|one, other| other.1.total_cmp(&one.1));
+        let total: u64 = instructions.own.values().sum();
         Ok(Count {
             name,
-            instructions_a_pixel: functions.iter().map(|function| function.1).sum(),
+            instructions_a_pixel: total as f64 / SIZE.area() as f64,
             mark: (MARK.0 == name).then_some(MARK.1),
-            functions,
+            instructions,
         })
     };
-    let counts: anyhow::Result<Vec<Count>> = COUNTED.into_iter().map(count).collect();
+    let counts: anyhow::Result<Vec<Count>> = names.iter().copied().map(count).collect();
     Ok(Ok(counts?))
 }

@@ -150,11 +150,17 @@ fn ceilings(report: &Report) -> String {
         }
     }
     format!(
-        "\n## Ceilings\n\nIn the same rounds one core did {:.1} GFLOP/s of independent fused multiplications in the widest vectors, and a \
+        "\n## Ceilings\n\nIn the same rounds one core did {:.1} GFLOP/s of independent fused multiplications in the widest vectors{}, and a \
          copy that no cache holds moved {:.1} GB/s, read and written. Operations are counted from the loops \
          (`xtask/src/bench/flops.rs`): a fused pair is two, comparisons, choices and thus medians are none. The least bytes are the \
          images read once, and the workspace written and read once.\n\n{table}",
-        ceilings.fma_gflops, ceilings.copy_gb_s
+        ceilings.fma_gflops,
+        ceilings
+            .eight_lanes_gflops
+            .map_or_else(String::new, |gflops| format!(
+                " ({gflops:.1} in eight lanes)"
+            )),
+        ceilings.copy_gb_s
     )
 }
 
@@ -180,7 +186,7 @@ fn instructions(report: &Report) -> String {
         ]);
     }
     format!(
-        "\n## Instructions\n\nOf one frame of {}, the third and fourth less the first two, as callgrind counts them on one thread. \
+        "\n## Instructions\n\nOf the second frame of {} as callgrind counts them on one thread, two frames less one. \
          Valgrind knows AVX2 and no AVX-512, so the code takes its path of eight lanes.\n\n{table}",
         counts::SIZE
     )
