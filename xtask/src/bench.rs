@@ -17,6 +17,7 @@ mod page;
 mod pair;
 mod peers;
 mod picture;
+mod profile_page;
 mod ratios;
 mod report;
 mod responding;
@@ -24,6 +25,7 @@ mod scene;
 mod shares;
 mod size_argument;
 mod spread;
+mod stage;
 mod unfused;
 mod whole_look;
 
@@ -45,6 +47,7 @@ use counts::{COUNTED, counts};
 use look_memory::{dorsal, mark_mib};
 use page::bench_page;
 use picture::{PICTURE, picture};
+use profile_page::profile_page;
 use ratios::ratios;
 use report::Report;
 use shares::shares;
@@ -70,6 +73,7 @@ Examples:
   cargo xtask bench
   cargo xtask bench --size 1024x768 --peers --json out/bench.json
   cargo xtask bench --peers --counts --rounds 5
+  cargo xtask bench --profile --size 1024x768
   cargo xtask bench --size 640x480 --threads 2 --rounds 21")]
 pub(crate) struct Options {
     /// Size of the images; may be given more than once. Without it 384x288, 640x480, 1024x768 and
@@ -88,6 +92,9 @@ pub(crate) struct Options {
     /// Count instructions too, with valgrind where it is there; takes minutes
     #[arg(long)]
     counts: bool,
+    /// Count instructions, and write docs/profile.md: where the time of one look goes
+    #[arg(long)]
+    profile: bool,
     /// A Python that has numpy and OpenCV already; nothing is installed then
     #[arg(long, value_name = "PATH", requires = "peers")]
     python: Option<PathBuf>,
@@ -151,13 +158,19 @@ pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
     report.ceilings = Some(ceilings);
     report.spreads = spreads(&report.sizes);
     report.ratios = ratios(&report.sizes);
-    if options.counts {
+    if options.counts || options.profile {
         match counts(&COUNTED)? {
             Ok(counts) => report.counts = counts,
             Err(why) => report.uncounted = Some(why),
         }
     }
     println!("{}", bench_page(&report));
+    if options.profile
+        && let (Some(page), Some(docs)) = (profile_page(&report), docs_folder())
+    {
+        println!("{page}");
+        write_file(&docs.join("profile.md"), page.as_bytes())?;
+    }
     if let Some(path) = &options.json {
         write_file(path, &serde_json::to_vec_pretty(&report)?)?;
     }
@@ -185,6 +198,9 @@ fn command(options: &Options) -> String {
     if options.counts {
         command += " --counts";
     }
+    if options.profile {
+        command += " --profile";
+    }
     command + &format!(" --threads {} --rounds {}", options.threads, options.rounds)
 }
 
@@ -204,6 +220,7 @@ mod tests {
             threads: 1,
             peers: false,
             counts: false,
+            profile: false,
             python: None,
             json: None,
         };

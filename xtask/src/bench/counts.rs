@@ -36,8 +36,8 @@ const MARK: (&str, f64) = (NO_LOOK_BACK, 450.0);
 /// At which size: instructions a pixel hardly depend on it, and counting takes fifty times as long as
 /// running.
 pub(crate) const SIZE: Size = Size {
-    width: 640,
-    height: 480,
+    width: 384,
+    height: 288,
 };
 
 /// The counts of these; in their place the reason where there is no valgrind.

@@ -45,7 +45,7 @@ pub(super) fn spreads(sizes: &[AtSize]) -> Vec<Spread> {
 fn middle(mut numbers: Vec<f64>) -> f64 {
     numbers.sort_by(f64::total_cmp);
     let upper = median(numbers.clone());
-    if numbers.len() % 2 == 0 {
+    if numbers.len().is_multiple_of(2) {
         0.5 * (upper + numbers[numbers.len() / 2 - 1])
     } else {
         upper
