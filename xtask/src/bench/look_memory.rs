@@ -49,23 +49,25 @@ const LOOKS: [&[&str]; 3] = [
 /// The program, built if need be beside this one.
 pub(super) fn dorsal() -> anyhow::Result<PathBuf> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo"));
+    let own = std::env::current_exe().context("this program does not know its place")?;
+    let folder = own.parent().context("this program stands in a folder")?;
+    let target = folder
+        .parent()
+        .context("cargo builds into target/PROFILE")?;
     let mut build = Command::new(cargo);
     build
         .args(["build", "--quiet", "--package", "dorsal-cli"])
+        .arg("--target-dir")
+        .arg(target)
         .current_dir(env!("CARGO_MANIFEST_DIR"));
     if !cfg!(debug_assertions) {
         build.arg("--release");
     }
     let built = build.status().context("cargo cannot be started")?;
     ensure!(built.success(), "dorsal-cli does not build; see above");
-    let own = std::env::current_exe().context("this program does not know its place")?;
-    // Tests stand one folder further down.
-    let folders = own.ancestors().skip(1).take(2);
-    let name = format!("dorsal{}", std::env::consts::EXE_SUFFIX);
-    folders
-        .map(|folder| folder.join(&name))
-        .find(|path| path.is_file())
-        .with_context(|| format!("{name} does not stand beside {}", own.display()))
+    let path = folder.join(format!("dorsal{}", std::env::consts::EXE_SUFFIX));
+    ensure!(path.is_file(), "{} is not there", path.display());
+    Ok(path)
 }
 
 /// The looks at this size, if it has a mark; none where the system does not tell a process's memory.

@@ -60,13 +60,13 @@ fn a_look(look: &Count, at: &AtSize) -> String {
         };
         table.push([
             format!("{}{}", "- ".repeat(stage.depth), stage.name),
-            format!("{instructions:.0}"),
+            format!("{instructions:.1}"),
             format!("{:.1}", 100.0 * instructions / total),
         ]);
     }
     table.push([
         "whole look".to_owned(),
-        format!("{total:.0}"),
+        format!("{total:.1}"),
         "100.0".to_owned(),
     ]);
     let mut times = MarkdownTable::new(["of a look, each by itself", "CPU, ms", "ns a pixel"]);
@@ -126,6 +126,14 @@ fn next_factor(look: &Count, pyramid: &Count) -> String {
         .filter_map(|stage| Some((stage.name, of_stage(look, stage)?)))
         .collect();
     parts.sort_by(|one, other| other.1.total_cmp(&one.1));
+    let largest = parts.first().map(|&(name, instructions)| {
+        let part = instructions / look.instructions_a_pixel;
+        format!(
+            "Without the largest stage, {name}, a look would be {:.1} times as fast, which bounds what work on one stage can give. ",
+            1.0 / (1.0 - part)
+        )
+    });
+    let largest = largest.unwrap_or_default();
     let mut table = MarkdownTable::new([
         "stage",
         "look's instructions if it were free, %",
@@ -147,16 +155,21 @@ fn next_factor(look: &Count, pyramid: &Count) -> String {
     let operations = vector_flops(SIZE, &bank, &params) / SIZE.area() as f64;
     // A fused multiplication of eight lanes does sixteen.
     let least = operations / 16.0;
+    let stages = OF_THE_PYRAMID
+        .iter()
+        .filter_map(|stage| Some((stage.name, of_stage(pyramid, stage)?)));
+    let stages: Vec<(&str, f64)> = stages.collect();
+    let named: f64 = stages.iter().map(|stage| stage.1).sum();
+    let stages: Vec<String> = stages
+        .iter()
+        .map(|(name, instructions)| format!("{name} {instructions:.0}"))
+        .collect();
     format!(
-        "\n## What the next factor needs\n\n{table}\nWhere no stage leaves less than half of the look, a factor of two is to be found in none \
-         alone. The vector pyramid's {operations:.0} operations a pixel fit into {least:.0} fused instructions of eight lanes; it takes \
-         {:.0}, since sums that are no products take an instruction each, and since reading, turning, choosing and sorting (the medians \
-         alone: {}) are instructions too. Its next factor is in those, and in fitting fewer pixels, not in the filters' arithmetic.\n",
+        "\n## What the next factor needs\n\n{table}\n{largest}The vector pyramid's {operations:.0} operations a pixel would fit into \
+         {least:.0} fused instructions of eight lanes. It takes {:.0} ({}, the rest {:.0}): sums that are no products, reading, turning, \
+         choosing and sorting are instructions too.\n",
         pyramid.instructions_a_pixel,
-        OF_THE_PYRAMID
-            .iter()
-            .find(|stage| stage.name == "medians")
-            .and_then(|stage| of_stage(pyramid, stage))
-            .map_or_else(|| "unknown".to_owned(), |found| format!("{found:.0}")),
+        stages.join(", "),
+        pyramid.instructions_a_pixel - named,
     )
 }
