@@ -12,7 +12,6 @@ mod alteration;
 mod altered_truth;
 mod bank_pictures;
 mod bench;
-mod bench_page;
 mod bounds;
 mod calculus_pictures;
 mod calculus_results;
@@ -25,6 +24,7 @@ mod compare_opencv;
 mod comparison;
 mod confidence_run;
 mod continuous;
+mod counting_allocator;
 mod curve_svg;
 mod data_folder;
 mod dataflow;
@@ -96,11 +96,14 @@ mod textured_marks;
 mod vergent_run;
 mod visible;
 mod wheel;
-mod whole_look;
 
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+
+/// The bench tells what its contestants ask of it.
+#[global_allocator]
+static ALLOCATOR: counting_allocator::CountingAllocator = counting_allocator::CountingAllocator;
 
 /// The project's own tasks.
 ///
@@ -116,6 +119,8 @@ struct Tasks {
 enum Task {
     BankPictures(bank_pictures::Options),
     Bench(bench::Options),
+    #[command(hide = true)]
+    BenchFrames(bench::frames::Options),
     EvalCalibration(eval_calibration::Options),
     EvalDenseRobustness(eval_dense_robustness::Options),
     EvalDepth(eval_depth::Options),
@@ -144,6 +149,7 @@ fn main() -> ExitCode {
     let Tasks { task } = Tasks::parse();
     let done = match task {
         Task::Bench(options) => bench::run(&options),
+        Task::BenchFrames(options) => bench::frames::run(&options),
         Task::BankPictures(options) => bank_pictures::run(&options),
         Task::EvalCalibration(options) => eval_calibration::run(&options),
         Task::EvalDenseRobustness(options) => eval_dense_robustness::run(&options),
