@@ -1,5 +1,6 @@
 use disparity_pyramid::{DisparityField, Validity};
 use ndarray::ArrayView2;
+use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 use crate::roughness::REACH;
@@ -21,7 +22,8 @@ struct Band {
     /// The smallest and the largest of each column, with [`REACH`] more at either end that say nothing.
     least: Vec<f32>,
     most: Vec<f32>,
-    /// How far the valid shifts of its rows are from their neighbours.
+    /// How far the shifts of a row are from their neighbours, and the valid shifts of all its rows.
+    farthest: Vec<f32>,
     found: Vec<f32>,
 }
 
@@ -58,7 +60,7 @@ impl Neighbours {
             .for_each(|(place, band)| {
                 let rows = (place * rows).min(height)..((place + 1) * rows).min(height);
                 band.found.clear();
-                band.found.reserve(rows.len() * width);
+                band.found.reserve((rows.len() + 1) * width);
                 for y in rows {
                     band.walk_row(shifts, validity, y);
                 }
@@ -116,29 +118,91 @@ impl Band {
             plane.clear();
             plane.resize(padded, nothing);
         }
-        let least = &mut self.least[REACH..][..width];
-        let most = &mut self.most[REACH..][..width];
+        let row = |y: usize| match (shifts.row(y).to_slice(), validity.row(y).to_slice()) {
+            (Some(shifts), Some(validity)) => (shifts, validity),
+            _ => unreachable!("fields are kept in row-major order"),
+        };
         let first = if y < REACH { y % 2 } else { y - REACH };
-        for row in (first..(y + REACH + 1).min(height)).step_by(2) {
-            let (shifts, validity) = (shifts.row(row), validity.row(row));
-            for x in 0..width {
-                let heard = validity[x] == Validity::Valid;
-                let low = if heard { shifts[x] } else { f32::INFINITY };
-                let high = if heard { shifts[x] } else { f32::NEG_INFINITY };
-                least[x] = least[x].min(low);
-                most[x] = most[x].max(high);
-            }
+        for y in (first..(y + REACH + 1).min(height)).step_by(2) {
+            Arch::new().dispatch(Widen {
+                least: &mut self.least[REACH..][..width],
+                most: &mut self.most[REACH..][..width],
+                row: row(y),
+            });
         }
-        let (shifts, validity) = (shifts.row(y), validity.row(y));
+        let (shifts, validity) = row(y);
+        self.farthest.resize(width, 0.0);
+        Arch::new().dispatch(Farthest {
+            least: &self.least,
+            most: &self.most,
+            shifts,
+            farthest: &mut self.farthest,
+        });
+        // Every number is written, and those of no answer written over.
+        let mut count = self.found.len();
+        self.found.resize(count + width, 0.0);
+        for (farthest, validity) in self.farthest.iter().zip(validity) {
+            self.found[count] = *farthest;
+            count += usize::from(*validity == Validity::Valid);
+        }
+        self.found.truncate(count);
+    }
+}
+
+/// The smallest and the largest valid shift of each column, and a row that may hold others.
+struct Widen<'a> {
+    least: &'a mut [f32],
+    most: &'a mut [f32],
+    row: (&'a [f32], &'a [Validity]),
+}
+
+impl NullaryFnOnce for Widen<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let (shifts, validity) = self.row;
+        let width = shifts.len();
+        let (least, most) = (&mut self.least[..width], &mut self.most[..width]);
+        let validity = &validity[..width];
         for x in 0..width {
-            if validity[x] == Validity::Valid {
-                let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
-                for neighbour in (0..=2 * REACH).step_by(2) {
-                    low = low.min(self.least[x + neighbour]);
-                    high = high.max(self.most[x + neighbour]);
-                }
-                self.found.push((high - shifts[x]).max(shifts[x] - low));
+            let heard = validity[x] == Validity::Valid;
+            let low = if heard { shifts[x] } else { f32::INFINITY };
+            let high = if heard { shifts[x] } else { f32::NEG_INFINITY };
+            least[x] = if low < least[x] { low } else { least[x] };
+            most[x] = if high > most[x] { high } else { most[x] };
+        }
+    }
+}
+
+/// How far each shift of a row is from the farthest of its neighbours.
+struct Farthest<'a> {
+    least: &'a [f32],
+    most: &'a [f32],
+    shifts: &'a [f32],
+    farthest: &'a mut [f32],
+}
+
+impl NullaryFnOnce for Farthest<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let width = self.shifts.len();
+        let (least, most) = (
+            &self.least[..width + 2 * REACH],
+            &self.most[..width + 2 * REACH],
+        );
+        let farthest = &mut self.farthest[..width];
+        for x in 0..width {
+            let (mut low, mut high) = (least[x], most[x]);
+            for neighbour in (2..=2 * REACH).step_by(2) {
+                let (other_low, other_high) = (least[x + neighbour], most[x + neighbour]);
+                low = if other_low < low { other_low } else { low };
+                high = if other_high > high { other_high } else { high };
             }
+            let (up, down) = (high - self.shifts[x], self.shifts[x] - low);
+            farthest[x] = if up > down { up } else { down };
         }
     }
 }
