@@ -14,7 +14,7 @@ use crate::dense::heard_responses::sharpen;
 use crate::dense::hyperacuity::Gates;
 use crate::dense::look_back::look_back;
 use crate::dense::neighbour_planes::{Neighbour, neighbours};
-use crate::dense::opponent::write_opponent;
+use crate::dense::opponent::opponent;
 use crate::dense::partial_field::PartialField;
 use crate::dense::phase_agreement::{COST_ORIENTATIONS, Loudness, Seen};
 use crate::dense::pixel_cost::PixelCost;
@@ -273,16 +273,23 @@ impl DenseMatcher {
                     opponent_silent_energy: params.opponent_silent_energy,
                 };
                 let mut cost = std::mem::take(&mut workspace.agreement);
-                let DenseWorkspace {
-                    picture_rows,
-                    opponents,
-                    ..
-                } = workspace;
-                let seen = Binocular {
-                    left: seen(eyes.left, loudness, &mut opponents.left),
-                    right: seen(eyes.right, loudness, &mut opponents.right),
-                };
-                cost.take_in(bank, seen, loudness, (search, unit), picture_rows)?;
+                {
+                    // Not kept: once they are in codes nobody asks for them, and what comes next needs room.
+                    let opponents =
+                        eyes.map(|eye| eye.rgb.filter(|_| loudness.opponent > 0.0).map(opponent));
+                    let eyes = Binocular {
+                        left: Seen {
+                            luma: lumas.left,
+                            opponent: opponents.left.as_ref(),
+                        },
+                        right: Seen {
+                            luma: lumas.right,
+                            opponent: opponents.right.as_ref(),
+                        },
+                    };
+                    let rows = &mut workspace.picture_rows;
+                    cost.take_in(bank, eyes, loudness, (search, unit), rows)?;
+                }
                 self.compete(&mut cost, &penalty, search, workspace, dx);
                 workspace.agreement = cost;
             }
@@ -475,22 +482,6 @@ impl From<WrongSize> for WrongView {
             which: "a luma",
             given: wrong.given,
         }
-    }
-}
-
-/// What of an eye's view is compared; `opponent` is room for its opponent colour.
-fn seen<'b, 'a: 'b>(
-    eye: EyeView<'a>,
-    loudness: Loudness,
-    opponent: &'b mut Option<LumaImage>,
-) -> Seen<'b> {
-    let rgb = eye.rgb.filter(|_| loudness.opponent > 0.0);
-    if let Some(rgb) = rgb {
-        write_opponent(rgb, opponent);
-    }
-    Seen {
-        luma: eye.luma,
-        opponent: opponent.as_ref().filter(|_| rgb.is_some()),
     }
 }
 

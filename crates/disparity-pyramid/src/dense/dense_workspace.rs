@@ -35,8 +35,6 @@ pub struct DenseWorkspace {
     pub(crate) quadrants: PhaseQuadrants,
     pub(crate) bank_rows: Vec<BankRows>,
     pub(crate) picture_rows: Vec<PictureRows>,
-    /// The eyes' opponent colours, if they are compared.
-    pub(crate) opponents: Binocular<Option<LumaImage>>,
     pub(crate) paths: PathRoom,
     pub(crate) margin: Array2<u8>,
     pub(crate) other_dx: Array2<f32>,
