@@ -8,7 +8,7 @@ use v1_gabor::{Binocular, LumaImage, Size};
 use crate::eval_middlebury::write_file;
 
 /// Distance of the parallel eyes at a width of 1024 pixels, in metres: the room's things then lie
-/// within the [`SHIFTS`] that are searched. At other widths the eyes move, and the shifts stay.
+/// within the shifts that are searched. At other widths the eyes move, and the shifts stay.
 const PARALLEL_BASELINE_M: f64 = 0.065;
 
 /// Parallel eyes at the head's place, tilted toward what it fixates.
