@@ -13,7 +13,9 @@ those as taken, which are in colour for ours, so that the clean figures are not 
 [dense-results.md](dense-results.md). Noise has one seed. What the alterations are and how the truth is \
 carried through them says [robustness.md](robustness.md). Ours aligns the rows of the rig by itself and \
 finds its range, as `dorsal look --rectify auto` does; the vertical residual is the true one, over the \
-visible pixels. SGBM has the setting that `compare-opencv` finds best over all scenes, borders continued and \
+visible pixels. A bad rig has the right picture 3 px lower (+) or higher, turned by a degree clockwise (+) or \
+the other way, and 2 % larger (+) or smaller: parts that add up are worse than parts that cancel, so all eight \
+are there. Ours has its mark on each of them; SGBM's is that of their mean. SGBM has the setting that `compare-opencv` finds best over all scenes, borders continued and \
 holes filled as there, and on the rig the true range with 16 px more on either side.
 ";
 
@@ -29,7 +31,7 @@ pub(crate) fn page(run: &DenseRobustnessRun) -> String {
          Written by `cargo xtask eval-dense-robustness`; edits by hand are lost.\n\n\
          - date: {}\n- machine: {}, {} cores\n- compiler: {}, {} build\n- command: `{}`\n\
          - {}; SGBM with {}\n\n## How to read this\n\n{READING}\n\
-         ## Visible pixels: bad-1 % / mean absolute error, px\n\n{}\n## Marks\n\n",
+         ## Visible pixels: bad-1 % / mean absolute error, px\n\n{}\n{}## Marks\n\n",
         run.date,
         machine.cpu,
         machine.cores,
@@ -39,6 +41,7 @@ pub(crate) fn page(run: &DenseRobustnessRun) -> String {
         versions.join(", "),
         TUNED_SGBM.1,
         table(run),
+        on_rigs(run),
     );
     let missed = dense_robustness_marks::missed(run);
     if missed.is_empty() {
@@ -51,6 +54,13 @@ pub(crate) fn page(run: &DenseRobustnessRun) -> String {
         let _ = writeln!(page, "- {missed}");
     }
     page
+}
+
+/// The peer's word on the bad rigs, if it saw them.
+fn on_rigs(run: &DenseRobustnessRun) -> String {
+    dense_robustness_marks::sgbm_on_rigs(run).map_or_else(String::new, |bad| {
+        format!("SGBM's bad-1 on the mean of the bad rigs is {bad:.2} %.\n\n")
+    })
 }
 
 /// A row a trial.

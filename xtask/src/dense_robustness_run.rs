@@ -5,6 +5,7 @@ use serde::Serialize;
 use crate::alteration::Alteration;
 use crate::machine::Machine;
 use crate::metrics::Metrics;
+use crate::rig_signs::RigSigns;
 use crate::robustness_series::Series;
 
 /// What befalls a pair.
@@ -19,8 +20,9 @@ pub(crate) enum Condition {
     Gain,
     /// The right eye's gamma is 1.5.
     Gamma,
-    /// The right eye 3 px lower, turned by a degree and 2 % larger; we align the rows ourselves.
-    Rig,
+    /// The right eye 3 px lower or higher, turned by a degree either way, and 2 % larger or smaller; we
+    /// align the rows ourselves.
+    Rig(RigSigns),
     /// The pictures of the folder as they are, in colour.
     AsTaken,
 }
@@ -36,19 +38,19 @@ impl Condition {
             Self::Noise => "noise of 5 grey levels, both eyes",
             Self::Gain => "gain .6 + 20, right eye",
             Self::Gamma => "gamma 1.5, right eye",
-            Self::Rig => "3 px, 1 degree, 2 %",
+            Self::Rig(signs) => signs.title(),
             Self::AsTaken => "as taken",
         }
     }
 
     /// What it does to the pictures.
-    pub(crate) const fn alteration(self) -> Alteration {
+    pub(crate) fn alteration(self) -> Alteration {
         match self {
             Self::Clean | Self::AsTaken => Alteration::NONE,
             Self::Noise => Series::NoiseOfBoth.alteration(5.0),
             Self::Gain => Series::Gain.alteration(0.6),
             Self::Gamma => Series::Gamma.alteration(1.5),
-            Self::Rig => Series::Rig.alteration(1.0),
+            Self::Rig(signs) => signs.alteration(),
         }
     }
 }

@@ -73,6 +73,7 @@ mod pyramid_ablation_run;
 mod python_environment;
 mod resample;
 mod results_page;
+mod rig_signs;
 mod robustness_marks;
 mod robustness_page;
 mod robustness_run;

@@ -19,7 +19,7 @@ use crate::dense::partial_field::PartialField;
 use crate::dense::phase_agreement::{COST_ORIENTATIONS, Loudness, Seen};
 use crate::dense::pixel_cost::PixelCost;
 use crate::dense::search_range::SearchRange;
-use crate::dense::slanted_cells::{self, fit_surfaces};
+use crate::dense::slanted_cells::{Cell, fit_surfaces};
 use crate::dense::step_penalty::StepPenalty;
 use crate::dense::surface_choice::{self, MEETING_REACH, choose_surfaces};
 use crate::dense::voting::vote;
@@ -64,7 +64,7 @@ pub struct DenseMatcher {
     /// The banks of hyperacuity that are not the cost's own.
     acuity_banks: Vec<FilterBank>,
     /// The neighbours that surface cells and the choice of surfaces ask.
-    cells: Vec<Neighbour>,
+    cell: Cell,
     choice: Vec<Neighbour>,
     /// The estimator at a quarter of the size that narrows the search.
     coarse: Option<Box<Self>>,
@@ -112,14 +112,13 @@ impl DenseMatcher {
             )?)),
             None => None,
         };
-        let (cells, choice) = (params.surface_radius, params.choice_radius);
         let grid = (params.surface_stride, params.surface_stride > 2);
-        let cells = neighbours(cells, grid, slanted_cells::DISTANCE_PX);
+        let cell = Cell::new(params.surface_radius, grid);
         let grid = (params.choice_stride, false);
-        let choice = neighbours(choice, grid, surface_choice::DISTANCE_PX);
+        let choice = neighbours(params.choice_radius, grid, surface_choice::DISTANCE_PX);
         Ok(Self {
             coarse,
-            cells,
+            cell,
             choice,
             params,
             size,
@@ -221,7 +220,7 @@ impl DenseMatcher {
         }
         if surfaces {
             planes.take_shifts(field.dx.view());
-            fit_surfaces(&mut field.dx, planes, &self.cells, moved);
+            fit_surfaces(&mut field.dx, planes, &self.cell, moved);
         }
         if choice {
             planes.take_shifts(field.dx.view());

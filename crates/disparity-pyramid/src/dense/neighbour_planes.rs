@@ -123,8 +123,13 @@ impl NeighbourPlanes {
 #[inline(always)]
 pub(crate) fn fade<S: Simd>(simd: S, x: S::f32s, rate: f32) -> S::f32s {
     let base = simd.negate_mul_add_e_f32s(x, simd.splat_f32s(rate / 16.0), simd.splat_f32s(1.0));
-    let base = simd.max_f32s(base, simd.splat_f32s(0.0));
-    let square = simd.mul_f32s(base, base);
+    sixteenth_power(simd, simd.max_f32s(base, simd.splat_f32s(0.0)))
+}
+
+/// `x^16`.
+#[inline(always)]
+pub(crate) fn sixteenth_power<S: Simd>(simd: S, x: S::f32s) -> S::f32s {
+    let square = simd.mul_f32s(x, x);
     let fourth = simd.mul_f32s(square, square);
     let eighth = simd.mul_f32s(fourth, fourth);
     simd.mul_f32s(eighth, eighth)

@@ -1,9 +1,11 @@
 use ndarray::Array2;
-use pulp::{Arch, NullaryFnOnce, Scalar};
+use pulp::{Arch, NullaryFnOnce, Scalar, Simd};
 use rayon::prelude::*;
 
 use crate::dense::fitted::numbers;
-use crate::dense::neighbour_planes::{LANES, Neighbour, NeighbourPlanes, fade};
+use crate::dense::neighbour_planes::{
+    LANES, Neighbour, NeighbourPlanes, neighbours, sixteenth_power,
+};
 use crate::rough::Rough;
 use crate::vector::{store, vector};
 
@@ -11,7 +13,7 @@ use crate::vector::{store, vector};
 const COLOUR: f32 = 0.08 * 255.0;
 
 /// Standard deviation of the weight by distance, in pixels.
-pub(crate) const DISTANCE_PX: f32 = 6.5;
+const DISTANCE_PX: f32 = 6.5;
 
 /// How far a neighbour's shift may lie from the pixel's own at no distance, in pixels, and how much
 /// of that is added for each pixel of distance: what a slanted surface does.
@@ -31,6 +33,55 @@ const LEAST_DETERMINANT: f32 = 1e-18;
 /// The most that a fit may move a shift, in pixels.
 const MOST_STEP_PX: f32 = 1.4;
 
+/// The neighbours of a surface cell, each with the one opposite to it: what both say is summed up and
+/// told apart once, which is two thirds of the sums.
+#[derive(Clone, Debug)]
+pub(crate) struct Cell {
+    pairs: Vec<Opposites>,
+}
+
+/// A neighbour at `(u, v)` from a pixel and the one at `(-u, -v)`.
+#[derive(Clone, Copy, Debug)]
+struct Opposites {
+    /// Steps in a plane of rows of the pixel's own: columns and rows.
+    u: isize,
+    v: isize,
+    /// `u`, `v` and their products `u u`, `u v`, `v v`.
+    place: [f32; 2],
+    products: [f32; 3],
+    /// How far their shifts may lie from the pixel's own, in pixels.
+    reach_px: f32,
+    /// The sixteenth root of their weight by distance, and what a step of colour takes off it.
+    nearness: f32,
+    fading: f32,
+}
+
+impl Cell {
+    /// The cell of the neighbours within a `radius`, on a grid as [`neighbours`] has it.
+    pub(crate) fn new(radius: usize, grid: (usize, bool)) -> Self {
+        // Row by row, as they come, the second half is opposite to the first.
+        let all = neighbours(radius, grid, DISTANCE_PX);
+        let pairs = all[all.len() / 2 + 1..].iter().map(Opposites::of).collect();
+        Self { pairs }
+    }
+}
+
+impl Opposites {
+    fn of(neighbour: &Neighbour) -> Self {
+        let (u, v) = (neighbour.u as f32, neighbour.v as f32);
+        let nearness = neighbour.weight.powf(1.0 / 16.0);
+        Self {
+            u: neighbour.u,
+            v: neighbour.v,
+            place: [u, v],
+            products: [u * u, u * v, v * v],
+            reach_px: NEAR_PX * (1.0 + SLANT * u.abs().max(v.abs())),
+            nearness,
+            fading: nearness / (16.0 * COLOUR),
+        }
+    }
+}
+
 /// Replaces each shift by that of the slanted plane that fits best to the neighbours on its surface:
 /// near in place, colour and shift, each as far as it is trusted. `planes` hold the shifts as they are;
 /// `moved` gets how far each pixel moved, in pixels.
@@ -40,7 +91,22 @@ const MOST_STEP_PX: f32 = 1.4;
 pub(crate) fn fit_surfaces(
     dx: &mut Array2<f32>,
     planes: &NeighbourPlanes,
-    neighbours: &[Neighbour],
+    cell: &Cell,
+    moved: &mut Array2<f32>,
+) {
+    match &*planes.channels {
+        [grey] => fit_rows(dx, planes, [grey], cell, moved),
+        [red, green, blue] => fit_rows(dx, planes, [red, green, blue], cell, moved),
+        _ => unreachable!("a guide has one channel or three"),
+    }
+}
+
+/// The same with a number of channels that the compiler knows.
+fn fit_rows<const C: usize>(
+    dx: &mut Array2<f32>,
+    planes: &NeighbourPlanes,
+    channels: [&[f32]; C],
+    cell: &Cell,
     moved: &mut Array2<f32>,
 ) {
     let width = dx.ncols();
@@ -51,7 +117,8 @@ pub(crate) fn fit_surfaces(
         .for_each(|(y, (dx, moved))| {
             let row = CellRow {
                 planes,
-                neighbours,
+                channels,
+                cell,
                 start: planes.place(0, y),
                 dx,
                 moved,
@@ -67,18 +134,19 @@ pub(crate) fn fit_surfaces(
 }
 
 /// The surface cells of one row, which begins at a place of the planes.
-struct CellRow<'a> {
+struct CellRow<'a, const C: usize> {
     planes: &'a NeighbourPlanes,
-    neighbours: &'a [Neighbour],
+    channels: [&'a [f32]; C],
+    cell: &'a Cell,
     start: usize,
     dx: &'a mut [f32],
     moved: &'a mut [f32],
 }
 
 /// One row's work, compiled for one machine.
-struct Compiled<'a, S>(CellRow<'a>, S);
+struct Compiled<'a, S, const C: usize>(CellRow<'a, C>, S);
 
-impl<S: Rough> NullaryFnOnce for Compiled<'_, S> {
+impl<S: Rough, const C: usize> NullaryFnOnce for Compiled<'_, S, C> {
     type Output = ();
 
     // Inlined into the function that is compiled for the vector unit; a call would leave it.
@@ -89,25 +157,18 @@ impl<S: Rough> NullaryFnOnce for Compiled<'_, S> {
     }
 }
 
-impl CellRow<'_> {
+impl<const C: usize> CellRow<'_, C> {
     #[inline(always)]
     fn walk<S: Rough>(self, simd: S) {
-        let Self {
-            planes,
-            neighbours,
-            start,
-            dx,
-            moved,
-        } = self;
-        let width = dx.len();
+        let width = self.dx.len();
         let mut fitted = [0.0; LANES];
         for first in (0..width).step_by(LANES) {
             for lane in (0..LANES).step_by(S::F32_LANES) {
-                let cells = fit_planes(simd, planes, neighbours, start + first + lane);
+                let cells = self.fit_planes(simd, self.start + first + lane);
                 store(simd, &mut fitted, lane, cells);
             }
             let end = (first + LANES).min(width);
-            let (dx, moved) = (&mut dx[first..end], &mut moved[first..end]);
+            let (dx, moved) = (&mut self.dx[first..end], &mut self.moved[first..end]);
             for i in 0..dx.len().min(LANES) {
                 let step = (fitted[i] - dx[i]).abs();
                 let takes = step < MOST_STEP_PX;
@@ -116,67 +177,105 @@ impl CellRow<'_> {
             }
         }
     }
+
+    /// The shifts at as many pixels as a vector holds, from a place on, by the planes `a + b u + c v` of
+    /// their neighbours, `(u, v)` counted from each.
+    #[inline(always)]
+    fn fit_planes<S: Rough>(&self, simd: S, place: usize) -> S::f32s {
+        let splat = |value| simd.splat_f32s(value);
+        let sum = |a, b, c| simd.mul_add_e_f32s(a, b, c);
+        let less = |a, b, c| simd.negate_mul_add_e_f32s(a, b, c);
+        let zero = splat(0.0);
+        let planes = self.planes;
+        let mut own = Own {
+            dx: vector(simd, &planes.dx, place),
+            colours: [zero; C],
+        };
+        for channel in 0..C {
+            own.colours[channel] = vector(simd, self.channels[channel], place);
+        }
+        // Sums of w, w u, w v, w u u, w u v, w v v, w d, w d u, w d v, with d from the own shift: the pixel's
+        // own word adds to the first alone.
+        let mut s = vector(simd, &planes.trust, place);
+        let (mut su, mut sv) = (zero, zero);
+        let (mut suu, mut suv, mut svv) = (zero, zero, zero);
+        let (mut sd, mut sdu, mut sdv) = (zero, zero, zero);
+        for pair in &self.cell.pairs {
+            let away = pair.v * planes.stride().cast_signed() + pair.u;
+            let (w, wd) = self.word(simd, &own, pair, place.wrapping_add_signed(away));
+            let (x, xd) = self.word(simd, &own, pair, place.wrapping_add_signed(-away));
+            let [u, v] = pair.place.map(splat);
+            let [uu, uv, vv] = pair.products.map(splat);
+            let (both, more) = (simd.add_f32s(w, x), simd.sub_f32s(w, x));
+            let (both_d, more_d) = (simd.add_f32s(wd, xd), simd.sub_f32s(wd, xd));
+            s = simd.add_f32s(s, both);
+            su = sum(more, u, su);
+            sv = sum(more, v, sv);
+            suu = sum(both, uu, suu);
+            suv = sum(both, uv, suv);
+            svv = sum(both, vv, svv);
+            sd = simd.add_f32s(sd, both_d);
+            sdu = sum(more_d, u, sdu);
+            sdv = sum(more_d, v, sdv);
+        }
+        // Eliminate a, then solve two by two about the weighted mean.
+        let one = splat(1.0);
+        let total = simd.max_f32s(s, splat(LEAST_SUM));
+        let share = simd.quotient(one, total);
+        let [mu, mv, md] = [su, sv, sd].map(|sum| simd.mul_f32s(sum, share));
+        let ridge = splat(RIDGE);
+        let cuu = sum(ridge, total, less(su, mu, suu));
+        let cuv = less(su, mv, suv);
+        let cvv = sum(ridge, total, less(sv, mv, svv));
+        let cdu = less(sd, mu, sdu);
+        let cdv = less(sd, mv, sdv);
+        let determinant = less(cuv, cuv, simd.mul_f32s(cuu, cvv));
+        let inverse = simd.quotient(one, simd.max_f32s(determinant, splat(LEAST_DETERMINANT)));
+        let b = simd.mul_f32s(less(cdv, cuv, simd.mul_f32s(cdu, cvv)), inverse);
+        let c = simd.mul_f32s(less(cdu, cuv, simd.mul_f32s(cdv, cuu)), inverse);
+        let a = simd.add_f32s(own.dx, less(c, mv, less(b, mu, md)));
+        // Where nobody is trusted there is no plane.
+        let heard = simd.less_than_f32s(splat(LEAST_SUM), s);
+        simd.select_f32s(heard, a, own.dx)
+    }
+
+    /// The weights of neighbours, and with them how far their shifts lie from the pixels' own.
+    #[inline(always)]
+    fn word<S: Rough>(
+        &self,
+        simd: S,
+        own: &Own<S, C>,
+        pair: &Opposites,
+        there: usize,
+    ) -> (S::f32s, S::f32s) {
+        let zero = simd.splat_f32s(0.0);
+        let mut colours = zero;
+        for channel in 0..C {
+            let colour = vector(simd, self.channels[channel], there);
+            let step = simd.abs_f32s(simd.sub_f32s(colour, own.colours[channel]));
+            colours = if channel == 0 {
+                step
+            } else {
+                simd.max_f32s(colours, step)
+            };
+        }
+        let (fading, nearness) = (simd.splat_f32s(pair.fading), simd.splat_f32s(pair.nearness));
+        let faded = sixteenth_power(
+            simd,
+            simd.max_f32s(simd.negate_mul_add_e_f32s(colours, fading, nearness), zero),
+        );
+        let d = simd.sub_f32s(vector(simd, &self.planes.dx, there), own.dx);
+        let near = simd.less_than_f32s(simd.abs_f32s(d), simd.splat_f32s(pair.reach_px));
+        let weight = simd.mul_f32s(vector(simd, &self.planes.trust, there), faded);
+        let weight = simd.select_f32s(near, weight, zero);
+        (weight, simd.mul_f32s(weight, d))
+    }
 }
 
-/// The shifts at as many pixels as a vector holds, from a place on, by the planes `a + b u + c v` of their
-/// neighbours, `(u, v)` counted from each.
-#[inline(always)]
-fn fit_planes<S: Rough>(
-    simd: S,
-    planes: &NeighbourPlanes,
-    neighbours: &[Neighbour],
-    place: usize,
-) -> S::f32s {
-    let splat = |value| simd.splat_f32s(value);
-    let sum = |a, b, c| simd.mul_add_e_f32s(a, b, c);
-    let less = |a, b, c| simd.negate_mul_add_e_f32s(a, b, c);
-    let zero = splat(0.0);
-    let own = vector(simd, &planes.dx, place);
-    // Sums of w, w u, w v, w u u, w u v, w v v, w d, w d u, w d v, with d from the own shift.
-    let (mut s, mut su, mut sv) = (zero, zero, zero);
-    let (mut suu, mut suv, mut svv) = (zero, zero, zero);
-    let (mut sd, mut sdu, mut sdv) = (zero, zero, zero);
-    for neighbour in neighbours {
-        let away = neighbour.v * planes.stride().cast_signed() + neighbour.u;
-        let there = place.wrapping_add_signed(away);
-        let (u, v) = (neighbour.u as f32, neighbour.v as f32);
-        let reach = splat(NEAR_PX * (1.0 + SLANT * u.abs().max(v.abs())));
-        let colours = planes.colour_step(simd, place, there);
-        let d = simd.sub_f32s(vector(simd, &planes.dx, there), own);
-        let near = simd.less_than_f32s(simd.abs_f32s(d), reach);
-        let trust = simd.mul_f32s(vector(simd, &planes.trust, there), splat(neighbour.weight));
-        let weight = simd.mul_f32s(trust, fade(simd, colours, 1.0 / COLOUR));
-        let weight = simd.select_f32s(near, weight, zero);
-        let weighed = simd.mul_f32s(weight, d);
-        s = simd.add_f32s(s, weight);
-        su = sum(weight, splat(u), su);
-        sv = sum(weight, splat(v), sv);
-        suu = sum(weight, splat(u * u), suu);
-        suv = sum(weight, splat(u * v), suv);
-        svv = sum(weight, splat(v * v), svv);
-        sd = simd.add_f32s(sd, weighed);
-        sdu = sum(weighed, splat(u), sdu);
-        sdv = sum(weighed, splat(v), sdv);
-    }
-    // Eliminate a, then solve two by two about the weighted mean.
-    let one = splat(1.0);
-    let total = simd.max_f32s(s, splat(LEAST_SUM));
-    let share = simd.quotient(one, total);
-    let [mu, mv, md] = [su, sv, sd].map(|sum| simd.mul_f32s(sum, share));
-    let ridge = splat(RIDGE);
-    let cuu = sum(ridge, total, less(su, mu, suu));
-    let cuv = less(su, mv, suv);
-    let cvv = sum(ridge, total, less(sv, mv, svv));
-    let cdu = less(sd, mu, sdu);
-    let cdv = less(sd, mv, sdv);
-    let determinant = less(cuv, cuv, simd.mul_f32s(cuu, cvv));
-    let inverse = simd.quotient(one, simd.max_f32s(determinant, splat(LEAST_DETERMINANT)));
-    let b = simd.mul_f32s(less(cdv, cuv, simd.mul_f32s(cdu, cvv)), inverse);
-    let c = simd.mul_f32s(less(cdu, cuv, simd.mul_f32s(cdv, cuu)), inverse);
-    let a = simd.add_f32s(own, less(c, mv, less(b, mu, md)));
-    // Where nobody is trusted there is no plane.
-    let heard = simd.less_than_f32s(splat(LEAST_SUM), s);
-    simd.select_f32s(heard, a, own)
+/// What the pixels themselves are known by.
+struct Own<S: Simd, const C: usize> {
+    dx: S::f32s,
+    colours: [S::f32s; C],
 }
 
 #[cfg(test)]
@@ -188,7 +287,6 @@ mod tests {
     use crate::Validity;
     use crate::dense::eye_view::EyeView;
     use crate::dense::guide::Guide;
-    use crate::dense::neighbour_planes::neighbours;
 
     const RADIUS: usize = 5;
 
@@ -201,9 +299,9 @@ mod tests {
         let mut planes = NeighbourPlanes::default();
         planes.take_in(&guide, &validity, &Array2::ones(dx.dim()), RADIUS);
         planes.take_shifts(dx.view());
-        let around = neighbours(RADIUS, (2, false), DISTANCE_PX);
+        let cell = Cell::new(RADIUS, (2, false));
         let (mut found, mut moved) = (dx.clone(), Array2::zeros(dx.dim()));
-        fit_surfaces(&mut found, &planes, &around, &mut moved);
+        fit_surfaces(&mut found, &planes, &cell, &mut moved);
         (found, moved)
     }
 
