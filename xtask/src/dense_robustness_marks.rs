@@ -11,7 +11,7 @@ const MOST_RESIDUAL_PX: f64 = 0.15;
 const MOST_EXPOSURE_RATIO: f64 = 1.15;
 /// The most that the other exposure of Motorcycle may cost, times that of the normal one.
 const MOST_TAKEN_RATIO: f64 = 1.5;
-/// What SGBM's bad-1 is above on the mean of the rigs that nobody rectified, %. Ours has its mark on each.
+/// What SGBM's bad-1 is above on each rig that nobody rectified, %.
 const LEAST_SGBM_BAD_1: f64 = 50.0;
 
 /// The scenes of the two exposures, the normal one first.
@@ -60,13 +60,13 @@ pub(crate) fn missed(run: &DenseRobustnessRun) -> Vec<String> {
                  is {MOST_RESIDUAL_PX:.2} px"
             ));
         }
-    }
-    if let Some(sgbm) = sgbm_on_rigs(run)
-        && sgbm <= LEAST_SGBM_BAD_1
-    {
-        missed.push(format!(
-            "SGBM's bad-1 is {sgbm:.2} % on the mean of the bad rigs, and it should be above 50 %"
-        ));
+        if let (Condition::Rig(_), Some(sgbm)) = (trial.condition, bad_1(trial.sgbm))
+            && sgbm <= LEAST_SGBM_BAD_1
+        {
+            missed.push(format!(
+                "{scene}, {title}: SGBM's bad-1 is {sgbm:.2} %, and it should be above 50 %"
+            ));
+        }
     }
     let taken = EXPOSURES.map(|scene| run.trial(scene, Condition::AsTaken));
     if let [Some(normal), Some(other)] = taken {
@@ -162,15 +162,15 @@ mod tests {
         assert_eq!(count(&[("venus", Noise, 10, 10, None)]), 2);
         assert_eq!(count(&[("venus", one, 2, 51, Some(0.15))]), 0);
         assert_eq!(count(&[("venus", one, 3, 50, Some(0.151))]), 4);
-        // Ours has to hold on each rig, SGBM's word is that of all.
+        // Each rig counts by itself, for us and for SGBM: a mean of 60 hides no 40.
         let two = |ours, sgbm| {
             [
-                ("venus", one, 2, 40, None),
+                ("venus", one, 2, 80, None),
                 ("venus", other, ours, sgbm, None),
             ]
         };
-        assert_eq!((count(&two(2, 61)), count(&two(2, 60))), (0, 1));
-        assert_eq!(count(&two(3, 61)), 2);
+        assert_eq!((count(&two(2, 51)), count(&two(2, 40))), (0, 1));
+        assert_eq!(count(&two(3, 51)), 2);
         let taken = |other| {
             [
                 (EXPOSURES[0], AsTaken, 10, 10, None),

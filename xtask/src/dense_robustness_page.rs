@@ -15,7 +15,7 @@ carried through them says [robustness.md](robustness.md). Ours aligns the rows o
 finds its range, as `dorsal look --rectify auto` does; the vertical residual is the true one, over the \
 visible pixels. A bad rig has the right picture 3 px lower (+) or higher, turned by a degree clockwise (+) or \
 the other way, and 2 % larger (+) or smaller: parts that add up are worse than parts that cancel, so all eight \
-are there. Ours has its mark on each of them; SGBM's is that of their mean. SGBM has the setting that `compare-opencv` finds best over all scenes, borders continued and \
+are there. Ours and SGBM have their marks on each of them. SGBM has the setting that `compare-opencv` finds best over all scenes, borders continued and \
 holes filled as there, and on the rig the true range with 16 px more on either side.
 ";
 
