@@ -33,8 +33,8 @@ const LEAST_DETERMINANT: f32 = 1e-18;
 /// The most that a fit may move a shift, in pixels.
 const MOST_STEP_PX: f32 = 1.4;
 
-/// The neighbours of a surface cell, each with the one opposite to it: what both say is summed up and
-/// told apart once, which is two thirds of the sums.
+/// The neighbours of a surface cell, each with the one opposite to it: what both say is added and
+/// subtracted once, and enters nine sums in place of eighteen.
 #[derive(Clone, Debug)]
 pub(crate) struct Cell {
     pairs: Vec<Opposites>,
