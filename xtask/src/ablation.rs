@@ -12,7 +12,7 @@ use crate::masks::Masks;
 use crate::metrics::Metrics;
 
 /// The preset with one ingredient exchanged or left out at a time.
-fn variants(preset: DenseParams) -> [(&'static str, DenseParams); 16] {
+fn variants(preset: DenseParams) -> [(&'static str, DenseParams); 17] {
     [
         ("as it is", preset),
         (
@@ -114,6 +114,23 @@ fn variants(preset: DenseParams) -> [(&'static str, DenseParams); 16] {
                 ..preset
             },
         ),
+        if preset.slants > 0 {
+            (
+                "slants not looked at again",
+                DenseParams {
+                    slants: 0,
+                    ..preset
+                },
+            )
+        } else {
+            (
+                "slants that phases tell looked at again",
+                DenseParams {
+                    slants: DenseParams::best().slants,
+                    ..preset
+                },
+            )
+        },
     ]
 }
 

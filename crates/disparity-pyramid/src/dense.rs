@@ -12,7 +12,8 @@
 //! 6. hyperacuity: the phases that remain move the shift by less than a pixel;
 //! 7. surface cells: a slanted plane about each pixel;
 //! 8. where surfaces meet, colours say which of them a pixel is on;
-//! 9. confidence.
+//! 9. confidence;
+//! 10. what phases tell to be steep is looked at again, sheared, and what is surer is taken.
 mod aggregate;
 mod bands;
 mod bank_rows;
@@ -44,11 +45,14 @@ mod paths_along;
 mod paths_down;
 mod phase_agreement;
 mod phase_quadrants;
+mod phase_slants;
 mod pixel_cost;
 mod row_alignment;
 mod search_range;
 mod search_windows;
+mod sheared_look;
 mod slanted_cells;
+mod steep_patches;
 mod step_penalty;
 mod surface_choice;
 mod voting;

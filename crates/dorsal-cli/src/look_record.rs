@@ -124,6 +124,7 @@ struct DenseMatching {
     choice_radius: usize,
     surface_stride: usize,
     choice_stride: usize,
+    slants: usize,
     noisy: f32,
 }
 
@@ -291,6 +292,7 @@ impl DenseMatching {
             choice_radius: params.choice_radius,
             surface_stride: params.surface_stride,
             choice_stride: params.choice_stride,
+            slants: params.slants,
             noisy: params.noisy,
         })
     }

@@ -1,6 +1,8 @@
 use ndarray::Array2;
 use rayon::prelude::*;
-use v1_gabor::{BadParams, Binocular, FilterBank, GaborParams, LumaImage, Size, WrongSize};
+use v1_gabor::{
+    BadParams, Binocular, FilterBank, GaborParams, LumaImage, Size, WaveVector, WrongSize,
+};
 
 use crate::dense::aggregate::{Ground, Winners, aggregate};
 use crate::dense::confidence::{Evidence, confidence};
@@ -19,6 +21,7 @@ use crate::dense::partial_field::PartialField;
 use crate::dense::phase_agreement::{COST_ORIENTATIONS, Loudness, Seen};
 use crate::dense::pixel_cost::PixelCost;
 use crate::dense::search_range::SearchRange;
+use crate::dense::sheared_look::look_along_slants;
 use crate::dense::slanted_cells::{Cell, fit_surfaces};
 use crate::dense::step_penalty::StepPenalty;
 use crate::dense::surface_choice::{self, MEETING_REACH, choose_surfaces};
@@ -139,6 +142,11 @@ impl DenseMatcher {
         self.size
     }
 
+    /// The wave vectors of the bank that the cost is taken from, by orientation.
+    pub(crate) fn waves(&self) -> Vec<WaveVector> {
+        self.cost_bank.params().wave_vectors()
+    }
+
     /// The disparity of every pixel of the left image.
     ///
     /// Rows must correspond (a rectified pair); `dy` is 0 everywhere. Shifts that would leave the
@@ -200,8 +208,7 @@ impl DenseMatcher {
         match (self.params.acuity, self.params.cost) {
             (Acuity::Parabola, _) => coherence.fill(0.0),
             (Acuity::CostBank, Cost::PhaseAgreement) => {
-                let waves = self.cost_bank.params().wave_vectors();
-                sharpen_by_codes(dx, agreement, &waves, gates, coherence);
+                sharpen_by_codes(dx, agreement, &self.waves(), gates, coherence);
             }
             (Acuity::CostBank, Cost::PhaseQuadrants) => {
                 let bank = std::slice::from_ref(&self.cost_bank);
@@ -238,6 +245,9 @@ impl DenseMatcher {
         fit(&mut field.dy, self.size, 0.0);
         field.dy.fill(0.0);
         field.covariance = None;
+        if self.params.slants > 0 && self.params.cost == Cost::PhaseAgreement {
+            look_along_slants(self, eyes, search, workspace, field)?;
+        }
         Ok(())
     }
 
@@ -414,10 +424,8 @@ impl DenseMatcher {
             other_dx: None,
         };
         aggregate(ground, search, paths, winners);
-        if self.params.acuity == Acuity::CostBank {
-            // Its phases are asked from the left eye's pixels.
-            cost.change_eyes();
-        }
+        // Phases are asked from the left eye's pixels.
+        cost.change_eyes();
         for mut row in other_dx.rows_mut() {
             row.as_slice_mut().unwrap_or_default().reverse();
         }

@@ -64,6 +64,11 @@ pub struct DenseParams {
     /// Every so many pixels of that neighbourhood, along rows and columns, one is asked: 2 takes a quarter
     /// of the time that 1 does.
     pub choice_stride: usize,
+    /// How often what phases tell to be steep is looked at again, with the right eye's rows sheared against its
+    /// slant: a floor that falls by a pixel a row is lost to steps of whole pixels. What is cut out for
+    /// it is at most one picture in all, and only the last look is a full one. Told by the codes of
+    /// [`Cost::PhaseAgreement`] alone; 0 never looks again.
+    pub slants: usize,
 }
 
 /// What is compared at a pixel and a shift.
@@ -122,6 +127,7 @@ impl DenseParams {
             surface_stride: 2,
             choice_radius: 9,
             choice_stride: 1,
+            slants: 8,
         }
     }
 
@@ -147,6 +153,7 @@ impl DenseParams {
             surface_stride: 3,
             choice_radius: 6,
             choice_stride: 2,
+            slants: 0,
             ..Self::best()
         }
     }
@@ -165,8 +172,8 @@ pub struct BadDenseParam {
 }
 
 impl DenseParams {
-    /// Those of the look at a quarter of the size that narrows the search: it says where surfaces are, and
-    /// no more.
+    /// Those of a look at a quarter of the size that narrows the search, and of one that asks for a slant: it says
+    /// where surfaces are, and no more.
     pub(crate) const fn coarse(self) -> Self {
         Self {
             narrow_px: None,
@@ -175,6 +182,7 @@ impl DenseParams {
             acuity: Acuity::Parabola,
             surface_radius: 0,
             choice_radius: 0,
+            slants: 0,
             least_patch: self.least_patch / 4,
             median: false,
             ..self
@@ -261,7 +269,8 @@ impl DenseParams {
             1.0,
             64.0,
             "from 1 to 64",
-        )
+        )?;
+        within("slants", self.slants as f32, 0.0, 64.0, "from 0 to 64")
     }
 }
 
